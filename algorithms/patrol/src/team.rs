@@ -7,7 +7,8 @@
 //! - The clock stands while a robot that takes part is *away* from its place, by more than a quarter of the
 //!   distance between two of them; a robot that is early then waits. Robots gather at their first places in this way,
 //!   and late ones get back to theirs. It waits for a round at most.
-//! - A robot out of play, or one that is away and has stood for [`STOOD_S`], takes part no more. One that drives on
+//! - A robot out of play, or one that is away and has stood for [`STOOD_S`], or driven around on one spot for [`LINGERED_S`],
+//!   takes part no more. One that drives on
 //!   takes part again, at the place nearest to it.
 //! - With each such change the places are divided again. Their order remains, and no place moves back.
 
@@ -21,6 +22,10 @@ use crate::awg::Awg;
 
 /// Time without motion after which a robot that is away from its place counts as failed (s).
 pub const STOOD_S: f64 = 10.0;
+
+/// Time after which a robot that is away counts as failed if it has only driven around within the distance at which it is
+/// away (s).
+pub const LINGERED_S: f64 = 30.0;
 
 /// Distance from its place at which a robot is away, as a share of the distance between two places.
 const AWAY: f64 = 0.25;
@@ -56,6 +61,8 @@ struct Member {
     is_away: bool,
     /// Last position away from which it has not moved, and the time since then (s); `None` out of play.
     rest: Option<(Point2<f64>, f64)>,
+    /// The same for the distance at which it is away.
+    stay: Option<(Point2<f64>, f64)>,
 }
 
 /// The robots of a team on one contour, as one of them sees them.
@@ -111,6 +118,7 @@ impl Team {
                 takes_part: robot.is_some(),
                 is_away: false,
                 rest: robot.map(|robot| (robot.pose.position(), view.time_s)),
+                stay: None,
             };
             self.members = robots.iter().map(seen).enumerate().map(place).collect();
             // Robots that begin where they stand drive to other places along the contour.
@@ -220,7 +228,7 @@ impl Member {
     /// Follows the robot, `None` if it is out of play; returns `true` if it takes part from now on, or no more.
     fn follow(&mut self, awg: &Awg, robot: Option<&RobotView>, time_s: f64, limit: f64) -> bool {
         let Some(robot) = robot else {
-            self.rest = None;
+            (self.rest, self.stay) = (None, None);
             return core::mem::take(&mut self.takes_part);
         };
         let here = robot.pose.position();
@@ -231,13 +239,19 @@ impl Member {
             if self.takes_part {
                 self.clock_s = nearest_s(awg, robot);
                 self.rest = Some((here, time_s));
+                self.stay = self.rest;
             }
             return self.takes_part;
         }
-        if moved > robot.radius || !self.is_beyond(awg, robot, limit) {
+        let (from, stays_since_s) = *self.stay.get_or_insert((here, time_s));
+        let is_near = !self.is_beyond(awg, robot, limit);
+        if is_near || moved > robot.radius {
             self.rest = Some((here, time_s));
         }
-        self.takes_part = time_s - since_s < STOOD_S;
+        if is_near || (here - from).norm() > limit {
+            self.stay = Some((here, time_s));
+        }
+        self.takes_part = time_s - since_s < STOOD_S && time_s - stays_since_s < LINGERED_S;
         !self.takes_part
     }
 

@@ -151,6 +151,23 @@ fn the_clock_begins_when_all_are_at_their_places() {
 }
 
 #[test]
+fn a_robot_that_drives_around_on_one_spot_is_replaced() {
+    let mut robots = Robots::new(square(true), 3);
+    let mut team = robots.team(Start::Spread);
+    robots.follow(&mut team, 60.0, &[]);
+    let (began_s, x) = (robots.time_s, robots.views[1].pose.x);
+    let mut side = 0.5;
+    while team.taking_part() == 3 {
+        side = -side;
+        robots.views[1].pose.x = x + side;
+        robots.follow(&mut team, DT, &[1]);
+        assert!(robots.time_s - began_s < 100.0, "within a round");
+    }
+    assert!(!team.members[1].takes_part);
+    assert_even(&team, &robots.awg);
+}
+
+#[test]
 fn a_robot_that_stands_is_replaced_and_counts_again_when_it_moves() {
     let mut robots = Robots::new(square(true), 3);
     let mut team = robots.team(Start::Spread);
@@ -196,7 +213,7 @@ fn the_clock_waits_for_a_robot_that_wanders_for_a_round_at_most() {
     robots.put(0, 0.0);
     let mut waited = 0.0;
     for step in 0..1000 {
-        robots.views[1].pose.x = if step % 2 == 0 { 4.0 } else { 6.0 };
+        robots.views[1].pose.x = if step % 2 == 0 { -3.0 } else { 4.0 };
         robots.observe(&mut team);
         if !team.waits {
             break;
@@ -245,7 +262,7 @@ proptest! {
         let mut team = robots.team(Start::Spread);
         team.members = clocks
             .iter()
-            .map(|&clock_s| Member { clock_s, takes_part: true, is_away: false, rest: None })
+            .map(|&clock_s| Member { clock_s, takes_part: true, is_away: false, rest: None, stay: None })
             .collect();
         team.spread(&robots.awg);
         assert_even(&team, &robots.awg);

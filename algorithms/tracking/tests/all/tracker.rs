@@ -117,7 +117,7 @@ fn the_bits_are_the_same_everywhere() {
         }
         eat(track.sighting().visibility.to_bits());
     }
-    assert_eq!(hash, 14_639_049_919_350_524_359);
+    assert_eq!(hash, 17_555_872_898_124_615_489);
 }
 
 #[test]
@@ -260,15 +260,20 @@ fn an_intruder_whose_start_is_unknown_is_believed_out_of_view_and_found() {
     };
     let mut observer = Pose2::new(3.0, -2.0, 3.0);
     perception.update(&[observer], &[truth], DT).unwrap();
-    let hidden = |perception: &Perception, observer: &Pose2| {
+    // Share of the weight that stands in view.
+    let in_view = |perception: &Perception, observer: &Pose2| {
         let (track, field) = (&perception.tracks()[0], perception.space().field());
-        let mut particles = track.particles();
-        particles.all(|p| {
+        let (mut seen, mut all) = (0.0, 0.0);
+        for p in track.particles() {
             let at = Point2::new(f64::from(p.x), f64::from(p.y));
-            field.visibility(observer.position(), at) < 0.9
-        })
+            all += p.weight;
+            if field.visibility(observer.position(), at) >= 0.9 {
+                seen += p.weight;
+            }
+        }
+        seen / all
     };
-    assert!(hidden(&perception, &observer));
+    assert_eq!(in_view(&perception, &observer), 0.0);
     let belief = perception.tracks()[0].belief();
     assert!(!belief.seen && belief.mean.x < 0.0, "{belief:?}");
     assert!(belief.covariance_xx + belief.covariance_yy > 1.0);
@@ -277,7 +282,12 @@ fn an_intruder_whose_start_is_unknown_is_believed_out_of_view_and_found() {
         observer.x = (observer.x - 0.025).max(0.5);
         observer.y = (observer.y + 0.03).min(2.0);
         perception.update(&[observer], &[truth], DT).unwrap();
-        assert!(perception.tracks()[0].belief().seen || hidden(&perception, &observer));
+        // Particles that come into view weigh little until the next resampling.
+        let share = in_view(&perception, &observer);
+        assert!(
+            perception.tracks()[0].belief().seen || share < 0.1,
+            "{share}"
+        );
     }
     observer = Pose2::new(-1.0, 2.0, 3.0);
     perception.update(&[observer], &[truth], DT).unwrap();
