@@ -46,7 +46,7 @@ const GROUPS: [Group; 5] = [
     },
     Group {
         evaders: ["evader_potential", "evader_potential"],
-        others: &["navigator", "patrol_awg", "patrol_fto"],
+        others: &["navigator", "patrol_awg", "patrol_fto", "patrol_graph"],
         accepted: 16,
         tested: 16,
     },
@@ -128,6 +128,7 @@ fn text(group: &Group, pieces: usize) -> String {
         let params = match *kind {
             "policy" => "model = \"to_the_exit.onnx\"",
             "patrol_awg" | "patrol_fto" => PATROL,
+            "patrol_graph" => "graph = { nodes = [[1.0, 1.0], [1.0, 7.0]], edges = [[0, 1]] }",
             _ => "",
         };
         writeln!(
