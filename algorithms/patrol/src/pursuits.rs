@@ -28,7 +28,7 @@ struct Pursuit {
 pub struct Pursuits {
     guards: Vec<usize>,
     lost_s: f64,
-    pursuits: Vec<Pursuit>,
+    all: Vec<Pursuit>,
 }
 
 impl Pursuits {
@@ -37,21 +37,21 @@ impl Pursuits {
         Self {
             guards: guards.iter().map(|&guard| guard as usize).collect(),
             lost_s,
-            pursuits: Vec::new(),
+            all: Vec::new(),
         }
     }
 
     /// Follows the intruders in a tick.
     pub fn observe(&mut self, map: &PlannerMap, view: &View<'_>) {
         let seen = |intruder: usize| view.belief(intruder).is_some_and(|belief| belief.seen);
-        for pursuit in &mut self.pursuits {
+        for pursuit in &mut self.all {
             if seen(pursuit.intruder) {
                 pursuit.seen_s = view.time_s;
             }
         }
         let in_play = |robot: usize| view.robot(robot).is_some_and(|robot| robot.active);
         let lost_s = self.lost_s;
-        self.pursuits.retain(|pursuit| {
+        self.all.retain(|pursuit| {
             let is_fresh = view.time_s - pursuit.seen_s <= lost_s;
             is_fresh && in_play(pursuit.guard) && in_play(pursuit.intruder)
         });
@@ -63,7 +63,7 @@ impl Pursuits {
                 continue;
             };
             if let Some(guard) = self.nearest(map, view, belief.mean.position()) {
-                self.pursuits.push(Pursuit {
+                self.all.push(Pursuit {
                     guard,
                     intruder,
                     seen_s: view.time_s,
@@ -92,14 +92,14 @@ impl Pursuits {
 
     /// Returns the intruder that a guard pursues.
     pub fn intruder_of(&self, guard: usize) -> Option<usize> {
-        let mut pursuits = self.pursuits.iter();
+        let mut pursuits = self.all.iter();
         let found = pursuits.find(|pursuit| pursuit.guard == guard);
         found.map(|pursuit| pursuit.intruder)
     }
 
     /// Returns the guard that pursues an intruder.
     fn pursued_by(&self, intruder: usize) -> Option<usize> {
-        let mut pursuits = self.pursuits.iter();
+        let mut pursuits = self.all.iter();
         let found = pursuits.find(|pursuit| pursuit.intruder == intruder);
         found.map(|pursuit| pursuit.guard)
     }
