@@ -54,7 +54,7 @@ const ALLOWED: [(&str, &str); 13] = [
     ),
     (
         "processes/ros2_bridge/src/",
-        "deadlines of the nodes of ROS 2: a command that comes late ends the run; the thread of the participant",
+        "deadlines of the nodes of ROS 2: a late command ends the run; the thread of the participant",
     ),
     (
         "processes/runtime/src/guard.rs",

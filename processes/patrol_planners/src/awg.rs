@@ -147,7 +147,9 @@ impl PatrolAwg {
         }
         if !core::mem::replace(&mut self.is_off, true) {
             let onward = self.driver.abandon(view.time_s, &mut self.reports);
-            onward.into_iter().for_each(|it| self.ahead.push_front(it));
+            if let Some(onward) = onward {
+                self.ahead.push_front(onward);
+            }
         }
     }
 
@@ -158,14 +160,13 @@ impl PatrolAwg {
             .ahead
             .front()
             .map_or(0.0, |next| awg.due_s(next.number));
-        let clock_s = match &self.team {
-            Some(team) => team.clock_s(awg, own.index),
-            None => {
-                let nearest_s = awg.nearest_s(own.pose.position(), own.pose.theta);
-                let clock_s = next_s + (nearest_s - next_s).rem_euclid(awg.round_s());
-                self.set_out_s = Some(time_s - (clock_s - self.start_s.unwrap_or(0.0)));
-                clock_s
-            }
+        let clock_s = if let Some(team) = &self.team {
+            team.clock_s(awg, own.index)
+        } else {
+            let nearest_s = awg.nearest_s(own.pose.position(), own.pose.theta);
+            let clock_s = next_s + (nearest_s - next_s).rem_euclid(awg.round_s());
+            self.set_out_s = Some(time_s - (clock_s - self.start_s.unwrap_or(0.0)));
+            clock_s
         };
         while let Some(next) = self.ahead.front()
             && awg.due_s(next.number) < clock_s

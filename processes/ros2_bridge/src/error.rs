@@ -10,7 +10,7 @@ pub enum BridgeError {
     Create {
         /// The domain.
         domain: u16,
-        /// What cannot be created.
+        /// Name of the part.
         what: String,
         /// Cause of the library.
         reason: String,
@@ -31,7 +31,7 @@ pub enum BridgeError {
     NoNode {
         /// The robot without a node.
         robot: String,
-        /// What no node does.
+        /// Role that no node has, in words.
         lack: String,
         /// The domain.
         domain: u16,
