@@ -9,7 +9,7 @@ use crate::support::call::Call;
 use crate::support::history::{History, Order};
 use crate::support::{Sandbox, python, skipped};
 
-/// ROS 2 Kilted from PyPI: `rclpy` with Fast DDS, and its messages.
+/// ROS 2 Kilted in wheels: `rclpy` with Fast DDS, and its messages.
 const KILTED: &[&str] = &[
     "python-ros2",
     "ros-kilted-rclpy[fastrtps]==9.1.2",
@@ -58,7 +58,7 @@ impl Drop for RosNode {
 struct Domain {
     sandbox: Sandbox,
     python: PathBuf,
-    domain: String,
+    id: String,
 }
 
 impl Domain {
@@ -76,7 +76,7 @@ impl Domain {
         Some(Self {
             sandbox,
             python,
-            domain: (1 + (std::process::id() * 10 + place) % 100).to_string(),
+            id: (1 + (std::process::id() * 10 + place) % 100).to_string(),
         })
     }
 
@@ -84,7 +84,7 @@ impl Domain {
         let script = concat!(env!("CARGO_MANIFEST_DIR"), "/python/ros2_planner.py");
         let node = Command::new(&self.python)
             .args([script, mode, "robot_1", "robot_2", "robot_3"])
-            .env("ROS_DOMAIN_ID", &self.domain)
+            .env("ROS_DOMAIN_ID", &self.id)
             .env("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
             .env("HOME", self.sandbox.path())
             .stderr(Stdio::null())
@@ -95,7 +95,7 @@ impl Domain {
 
     fn run<'a>(&'a self, log: &'a str) -> Call<'a> {
         let run = self.sandbox.protean(["run", "robots.toml", "--out", log]);
-        run.set(&format!("processes.bridge.params.domain={}", self.domain))
+        run.set(&format!("processes.bridge.params.domain={}", self.id))
     }
 
     /// The run with a node, and the share of its commands that were computed from the state of their tick.

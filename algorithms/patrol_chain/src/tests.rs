@@ -73,8 +73,8 @@ proptest! {
         let capture = Capture::new(&chain, &durations).unwrap();
         let mut least = f64::INFINITY;
         for from in 0..5 {
-            for at in 0..5 {
-                let expected = by_all_walks(&chain, from, at, durations[at]);
+            for (at, &duration) in durations.iter().enumerate() {
+                let expected = by_all_walks(&chain, from, at, duration);
                 prop_assert!((capture.probability(from, at) - expected).abs() < 1e-12);
                 least = least.min(expected);
             }

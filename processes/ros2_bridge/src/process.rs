@@ -308,20 +308,16 @@ impl Ros2BridgeProcess {
         let beliefs = self.beliefs.as_ref().map_or(&[][..], |b| &b.latest);
         for belief in beliefs {
             let about = belief.header.robot;
-            let at = match self.believed.iter().position(|(robot, _)| *robot == about) {
-                Some(at) => at,
-                None => {
-                    let Some(info) = self.config.run.robots.get(about as usize) else {
-                        continue;
-                    };
-                    let topic = format!("/belief/{}", namespace(&info.name)?);
-                    let publisher = self.session.publisher(&topic, false)?;
-                    self.believed.push((about, publisher));
-                    self.believed.len() - 1
-                }
-            };
-            let (_, publisher) = &self.believed[at];
-            publisher.send(convert::belief(&belief.elements, stamp.clone()))?;
+            if !self.believed.iter().any(|(robot, _)| *robot == about) {
+                let name = &self.config.run.robots[about as usize].name;
+                let topic = format!("/belief/{}", namespace(name)?);
+                self.believed
+                    .push((about, self.session.publisher(&topic, false)?));
+            }
+            let publishers = self.believed.iter().filter(|(robot, _)| *robot == about);
+            for (_, publisher) in publishers {
+                publisher.send(convert::belief(&belief.elements, stamp.clone()))?;
+            }
         }
         let period_s = self.config.step_period();
         for robot in &self.robots {

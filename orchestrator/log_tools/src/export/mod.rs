@@ -222,16 +222,15 @@ impl Export<'_> {
             return Ok(());
         }
         for row in self.patrols.take(item) {
-            let (table, rows) = match &mut self.patrol_table {
-                Some(table) => table,
-                None => {
-                    let Self { log, options, .. } = *self;
-                    let file = self.out.join(PATROLS).with_extension(options.extension());
-                    let open = derived::create(&file, log, options.force, Readers::All)?;
-                    let rows = tables::begin(options.format, open, &PatrolRows::columns());
-                    let rows = rows.map_err(derived::failed(&file))?;
-                    self.patrol_table.insert((Table::empty(file), rows))
-                }
+            let (table, rows) = if let Some(table) = &mut self.patrol_table {
+                table
+            } else {
+                let Self { log, options, .. } = *self;
+                let file = self.out.join(PATROLS).with_extension(options.extension());
+                let open = derived::create(&file, log, options.force, Readers::All)?;
+                let rows = tables::begin(options.format, open, &PatrolRows::columns());
+                let rows = rows.map_err(derived::failed(&file))?;
+                self.patrol_table.insert((Table::empty(file), rows))
             };
             rows.row(&row).map_err(derived::failed(&table.file))?;
             table.rows += 1;

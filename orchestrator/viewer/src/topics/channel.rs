@@ -32,7 +32,7 @@ impl<M: RosType> ViewerChannel<M> {
     /// Adds a message to the output; returns its length (bytes).
     pub(super) fn write(&self, out: &mut DerivedMessages, time_ns: u64, message: &M) -> usize {
         out.push(self.place, time_ns, |bytes| {
-            ros_messages::encode(message, bytes)
+            ros_messages::encode(message, bytes);
         })
     }
 }
