@@ -19,7 +19,7 @@ def seeds_of(experiment: Experiment) -> range:
 
 def work_s(experiment: Experiment, seeds: range, directory: Path) -> float:
     """CPU time of the missions of an experiment that are not finished (s), where `Experiment.seed_s` was measured."""
-    missing = len(seeds)
+    missing = float(len(seeds))
     if results.exist(directory):
         found = results.read(directory)
         finished = sum(seed in seeds for _, seed in found.rows)
