@@ -246,7 +246,7 @@ def test_the_code_of_the_guide_runs(chase_log: Path) -> None:
         pytest.importorskip(module)
     guide = Path(__file__).parents[2] / "docs/how-to/python-logs.md"
     blocks = re.findall(r"^```python\n(.*?)^```", guide.read_text(), re.DOTALL | re.MULTILINE)
-    assert len(blocks) == 7
+    assert len(blocks) == 8
     subprocess.run([sys.executable, "-c", "\n".join(blocks)], cwd=chase_log.parent, check=True, timeout=120)
 
 

@@ -18,7 +18,7 @@
 //! ```
 //! use patrol_chain::{Capture, Chain, TravelTimes};
 //!
-//! // A triangle: the robot returns to any node within two steps with probability 3/4.
+//! // A triangle: within two steps the robot is back at the node that it leaves with probability 1/2.
 //! let sides = [(0, 1, 1), (1, 2, 1), (2, 0, 1)];
 //! let times = TravelTimes::new(3, sides.into_iter().flat_map(|(a, b, t)| [(a, b, t), (b, a, t)]))?;
 //! let chain = Chain::uniform(times);
