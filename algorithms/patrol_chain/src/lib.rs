@@ -8,7 +8,7 @@
 //! - [`TravelTimes`]: the graph, with times as whole steps;
 //! - [`Chain`]: probabilities of the next node, drawn from a key stream;
 //! - [`Capture`]: probabilities of capture, the best response of an intruder, and derivatives;
-//! - [`optimise`]: a chain with a high floor.
+//! - [`optimise`](fn@optimise): a chain with a high floor.
 //!
 //! The problem is that of Duan, Paccagnan and Bullo (*Stochastic strategies for robotic surveillance as Stackelberg
 //! games*, IEEE TCNS 2021), with travel times as in John et al. (`RoSSO`, ICRA 2024, arXiv 2309.08742, weighted
