@@ -4,7 +4,7 @@
 //! - [`graph_of_map`]: the graph of the free space of a map;
 //! - [`Strategy`]: the strategies of the literature; [`Walker`]: a robot that walks a graph by one of them;
 //! - [`LastVisits`]: the idleness of nodes, as the robots of a team share it;
-//! - [`tour`]: closed walks through nodes, on which robots follow each other; [`parts`]: division among robots.
+//! - [`tour`](fn@tour): closed walks through nodes, on which robots follow each other; [`parts`](fn@parts): division among robots.
 
 mod choices;
 mod graph;
