@@ -101,7 +101,7 @@ impl<R: Rng> Walker<R> {
         self.path.clear();
     }
 
-    /// Returns the node after `at`, a neighbour of it; `None` to stay for now.
+    /// Returns the node after `at`, a neighbour of it; `None` if the robot stays there in this tick.
     pub fn next(&mut self, at: usize, seen: &Seen<'_>) -> Option<usize> {
         let origin = *self.origin.get_or_insert(at);
         // Two robots on the way to one node: both choose again.

@@ -132,3 +132,49 @@ pub fn belief(particles: &[Particle], stamp: Time) -> PoseArray {
 fn header(stamp: Time, frame_id: String) -> Header {
     Header { stamp, frame_id }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_are_one_tick_ahead_so_that_the_first_is_not_no_time_yet() {
+        let mut state = WorldHeader {
+            tick_period_ns: 50_000_000,
+            ..WorldHeader::default()
+        };
+        assert_eq!(time(&state), ros_messages::time(50_000_000));
+        state.stamp.time_ns = 1_950_000_000;
+        let whole = Time { sec: 2, nanosec: 0 };
+        assert_eq!(time(&state), whole);
+    }
+
+    #[test]
+    fn frames_are_those_of_the_robot_and_poses_turn_about_z() {
+        let robot = RobotState {
+            x: 1.0,
+            y: -2.0,
+            theta: core::f64::consts::PI,
+            v: 0.5,
+            omega: -0.25,
+            ..RobotState::default()
+        };
+        let odometry = odometry("guard", &robot, Time::default());
+        let transform = transform("guard", &robot, Time::default());
+        assert_eq!(odometry.header.frame_id, "guard/odom");
+        assert_eq!(odometry.child_frame_id, "guard/base_link");
+        assert_eq!(
+            (&odometry.header, &odometry.child_frame_id),
+            (&transform.header, &transform.child_frame_id)
+        );
+        let (position, turn) = (
+            &odometry.pose.pose.position,
+            &odometry.pose.pose.orientation,
+        );
+        assert_eq!((position.x, position.y, position.z), (1.0, -2.0, 0.0));
+        assert!((turn.z - 1.0).abs() < 1e-12 && turn.w.abs() < 1e-12);
+        assert_eq!(&transform.transform.rotation, turn);
+        let twist = &odometry.twist.twist;
+        assert_eq!((twist.linear.x, twist.angular.z), (0.5, -0.25));
+    }
+}
