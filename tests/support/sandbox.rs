@@ -243,8 +243,14 @@ pub fn processes_with(runtime_dir: &Path) -> Vec<Process> {
         .flatten()
         .filter_map(|entry| {
             let pid: u32 = entry.file_name().to_str()?.parse().ok()?;
-            // Empty for a process that has ended and waits for its parent to look.
             let environment = std::fs::read(entry.path().join("environ")).ok()?;
+            if environment.is_empty() {
+                // It is a thread of the kernel, or has ended, or is about to: its files are closed, and its locks
+                // released, after its memory is given back.
+                until("the end of a process", SOON, || {
+                    (!is_exiting(&entry.path())).then_some(())
+                });
+            }
             environment
                 .windows(wanted.len())
                 .any(|part| part == wanted)
@@ -257,6 +263,25 @@ pub fn processes_with(runtime_dir: &Path) -> Vec<Process> {
         .collect();
     found.sort();
     found
+}
+
+/// Whether a thread of the process in this directory of `/proc` is between its last instruction and its end.
+fn is_exiting(process: &Path) -> bool {
+    /// `PF_EXITING` of the kernel's `sched.h`.
+    const EXITING: u32 = 4;
+    let Ok(threads) = std::fs::read_dir(process.join("task")) else {
+        return false;
+    };
+    threads.flatten().any(|thread| {
+        let Ok(stat) = std::fs::read_to_string(thread.path().join("stat")) else {
+            return false;
+        };
+        // The name in brackets may contain blanks: state and flags are the 1st and 7th word after it.
+        let mut words = stat.rsplit(')').next().unwrap().split_whitespace();
+        let has_ended = matches!(words.next(), Some("Z" | "X"));
+        let flags = words.nth(5).and_then(|word| word.parse::<u32>().ok());
+        !has_ended && flags.is_some_and(|flags| flags & EXITING != 0)
+    })
 }
 
 /// Sends a signal to a process, which may have ended.
