@@ -8,7 +8,7 @@
 use crate::topics::{Arity, Topic, TopicFacts};
 
 /// Little-endian plain CDR.
-pub(crate) const ENCAPSULATION: [u8; 4] = [0x00, 0x01, 0x00, 0x00];
+pub const ENCAPSULATION: [u8; 4] = [0x00, 0x01, 0x00, 0x00];
 
 /// Reason why bytes are not a message of a topic.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]

@@ -8,7 +8,8 @@
 //! * [`transport`]: the parts of the bus that use iceoryx2;
 //! * [`schema`], [`cdr`]: the messages in logs;
 //! * [`layout`]: topics that a program declares while it runs; [`marks`]: the drawn elements of messages;
-//! * [`consumer`]: consumers of the messages of a run in order, from the bus or from a log.
+//! * [`consumer`]: consumers of the messages of a run in order, from the bus or from a log;
+//! * [`event_names`]: events in words.
 
 // The macros name the crate as others do.
 extern crate self as ipc_types;
@@ -16,6 +17,7 @@ extern crate self as ipc_types;
 pub mod bus;
 pub mod cdr;
 pub mod consumer;
+pub mod event_names;
 pub mod layout;
 pub mod marks;
 pub mod messages;

@@ -187,7 +187,7 @@ impl History {
         };
         if let Some((_, events)) = message.view::<WorldEvents>() {
             let names = self.run.event_names();
-            let entries = events.map(|event| names.entry(message.time_s(), &event));
+            let entries = events.map(|event| EventEntry::new(message.time_s(), &event, &names));
             self.events.extend(entries);
         }
     }

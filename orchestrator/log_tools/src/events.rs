@@ -3,11 +3,12 @@
 use std::path::Path;
 
 use ipc_types::consumer::{EVENTS, LoggedMessage};
+use ipc_types::event_names::EventNames;
 use ipc_types::topics::TopicId;
 use mcap_log::known;
 use mcap_log::reader::{Item, Reader};
 use mcap_log::{LogReadError, Origin, ReadProgress};
-use recorder::{EventEntry, EventNames, RunInfo};
+use recorder::{EventEntry, RunInfo};
 
 use super::topic_table::RobotNames;
 
@@ -51,6 +52,6 @@ pub fn events(log: &Path, watch: &mut ReadProgress) -> Result<Vec<EventEntry>, L
     };
     let entries = found
         .iter()
-        .map(|(time_s, event)| names.entry(*time_s, event));
+        .map(|(time_s, event)| EventEntry::new(*time_s, event, &names));
     Ok(entries.collect())
 }

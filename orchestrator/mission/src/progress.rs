@@ -5,12 +5,13 @@ use std::time::{Duration, Instant};
 
 use indicatif::ProgressBar;
 use ipc_types::consumer::{Consumer, EVENTS, LoggedMessage};
+use ipc_types::event_names::EventNames;
 use ipc_types::messages::world::WorldEvent;
 use ipc_types::topics::TopicId;
 use platform::eprintln;
 use platform::progress;
 use platform::terminal::{Colours, is_coloured};
-use recorder::{EventNames, time_text};
+use recorder::time_text;
 
 /// Interval between plain lines if stderr is not a terminal.
 const PLAIN_INTERVAL: Duration = Duration::from_secs(5);

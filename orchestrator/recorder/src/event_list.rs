@@ -1,10 +1,10 @@
 //! Events of the world and of robots over a run.
 
 use ipc_types::consumer::{Consumer, EVENTS, LoggedMessage};
+use ipc_types::event_names::EventNames;
 use ipc_types::messages::world::WorldEvent;
 use ipc_types::topics::TopicId;
 
-use super::event_names::EventNames;
 use super::run_info::RunInfo;
 use super::summary::{EventEntry, OutcomePart, Summary};
 
@@ -43,7 +43,8 @@ impl EventList {
             self.omitted += 1;
             return;
         }
-        self.events.push(self.names.entry(time_s, event));
+        self.events
+            .push(EventEntry::new(time_s, event, &self.names));
     }
 }
 

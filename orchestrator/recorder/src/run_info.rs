@@ -2,12 +2,12 @@
 
 use std::collections::BTreeMap;
 
+use ipc_types::event_names::EventNames;
 use mcap_log::Origin;
 use runtime::kind::{GraphSketch, TaskSketch};
 use runtime::link::Link;
 use serde::{Deserialize, Serialize};
 
-use super::event_names::EventNames;
 use super::field_of_view::FieldOfView;
 
 /// A process of the run.

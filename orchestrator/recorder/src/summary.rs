@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use ipc_types::consumer::Consumer;
+use ipc_types::event_names::EventNames;
+use ipc_types::messages::world::WorldEvent;
 use serde::{Deserialize, Serialize};
 use statistics::Percentiles;
 
@@ -353,6 +355,26 @@ pub struct EventEntry {
     pub y: f64,
     /// Value, depending on the kind; 0 if it has none.
     pub value: f64,
+}
+
+impl EventEntry {
+    /// Creates an event at this time (s) with the names of its robot and obstacle.
+    pub fn new(time_s: f64, event: &WorldEvent, names: &EventNames) -> Self {
+        let kind = WorldEvent::name_of(event.kind);
+        let obstacle = (kind == "obstacle")
+            .then(|| names.obstacles.get(&event.other))
+            .flatten();
+        Self {
+            time_s,
+            kind: kind.to_owned(),
+            robot: names.robots.get(event.robot as usize).cloned(),
+            obstacle: obstacle.cloned(),
+            other: (event.other != WorldEvent::NONE).then_some(event.other),
+            x: event.x,
+            y: event.y,
+            value: event.value,
+        }
+    }
 }
 
 /// Counts of a topic.

@@ -4,6 +4,7 @@ use draw::palette;
 use geometry::map::ObstacleChange;
 use geometry::region::Region;
 use geometry::shape::Shape;
+use ipc_types::event_names::EventNames;
 use ipc_types::messages::observer::Prediction;
 use ipc_types::messages::robot::WaypointEnd;
 use ipc_types::messages::world::WorldEvent;
@@ -16,9 +17,7 @@ use super::timing::PER_DECADE;
 use crate::picture::trace::pursuers;
 use crate::run_model::TaskTrace;
 use crate::run_model::corners;
-use recorder::{
-    CoverageOutcome, EventNames, MessageCounts, RobotOutcome, outcome_words, status_name,
-};
+use recorder::{CoverageOutcome, MessageCounts, RobotOutcome, outcome_words, status_name};
 use robot::team::Role;
 
 /// Outcomes of the robots: from the result of the run, else from the last state in the log.

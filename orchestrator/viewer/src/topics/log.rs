@@ -1,10 +1,11 @@
 //! Events and output of processes as log lines.
 
 use ipc_types::consumer::{Consumer, LoggedMessage};
+use ipc_types::event_names::EventNames;
 use ipc_types::messages::process::{LogHeader, ProcessEvent};
 use ipc_types::messages::world::WorldEvent;
 use ipc_types::topics::{ProcessEvents, ProcessLog, TopicId};
-use recorder::{EventNames, ProcessInfo, RunInfo};
+use recorder::{ProcessInfo, RunInfo};
 
 use super::channel::ViewerChannel;
 use super::picture::Picture;

@@ -2,9 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use ipc_types::messages::world::WorldEvent;
-
-use super::summary::EventEntry;
+use crate::messages::world::WorldEvent;
 
 /// Names for the events of a run.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -16,29 +14,11 @@ pub struct EventNames {
 }
 
 impl EventNames {
-    /// Returns an event at this time (s) with the names of its robot and obstacle.
-    pub fn entry(&self, time_s: f64, event: &WorldEvent) -> EventEntry {
-        let kind = WorldEvent::name_of(event.kind);
-        let obstacle = (kind == "obstacle")
-            .then(|| self.obstacles.get(&event.other))
-            .flatten();
-        EventEntry {
-            time_s,
-            kind: kind.to_owned(),
-            robot: self.robots.get(event.robot as usize).cloned(),
-            obstacle: obstacle.cloned(),
-            other: (event.other != WorldEvent::NONE).then_some(event.other),
-            x: event.x,
-            y: event.y,
-            value: event.value,
-        }
-    }
-
     /// Returns an event in words.
     ///
     /// ```
+    /// use ipc_types::event_names::EventNames;
     /// use ipc_types::messages::world::WorldEvent;
-    /// use recorder::EventNames;
     ///
     /// let names = EventNames {
     ///     obstacles: [(3, "lorry".to_owned())].into(),
