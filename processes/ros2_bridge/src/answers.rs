@@ -79,28 +79,27 @@ impl Commands {
 
 /// The commands of one robot.
 pub struct Answers {
-    robot: String,
+    /// The topic, `/ROBOT/cmd_vel`.
+    topic: String,
     commands: Commands,
 }
 
 impl Answers {
-    /// Subscribes to `/ROBOT/cmd_vel`.
+    /// Subscribes to `/ROBOT/cmd_vel`; `None` if nodes give no commands.
     ///
     /// # Errors
     /// [`BridgeError::Create`].
     pub fn open(
         session: &mut Session,
-        robot: &str,
+        topic: String,
         commands: CommandType,
-    ) -> Result<Self, BridgeError> {
-        let topic = format!("/{robot}/cmd_vel");
-        Ok(Self {
-            robot: robot.to_owned(),
-            commands: match commands {
-                CommandType::Twist => Commands::Plain(session.subscription(&topic)?),
-                CommandType::TwistStamped => Commands::Stamped(session.subscription(&topic)?),
-            },
-        })
+    ) -> Result<Option<Self>, BridgeError> {
+        let commands = match commands {
+            CommandType::Twist => Commands::Plain(session.subscription(&topic)?),
+            CommandType::TwistStamped => Commands::Stamped(session.subscription(&topic)?),
+            CommandType::None => return Ok(None),
+        };
+        Ok(Some(Self { topic, commands }))
     }
 
     /// Returns `true` if a node writes the commands.
@@ -109,12 +108,12 @@ impl Answers {
     /// [`BridgeError::Writers`] if several do; [`BridgeError::ForeignType`].
     pub fn is_written(&self, session: &Session) -> Result<bool, BridgeError> {
         let type_name = self.commands.type_name();
-        let types = session.types_of(&format!("/{}/cmd_vel", self.robot));
+        let types = session.types_of(&self.topic);
         // DDS matches topics by their names alone.
         let expected = format!("{}_", type_name.replace('/', "::msg::dds_::"));
         if let Some(found) = types.into_iter().find(|found| *found != expected) {
             return Err(BridgeError::ForeignType {
-                robot: self.robot.clone(),
+                topic: self.topic.clone(),
                 found,
                 type_name,
             });
@@ -123,17 +122,29 @@ impl Answers {
             0 => Ok(false),
             1 => Ok(true),
             count => Err(BridgeError::Writers {
-                robot: self.robot.clone(),
+                topic: self.topic.clone(),
                 count,
             }),
         }
     }
 
-    /// The error of a start without a node for this robot; `lack` is what no node does.
-    pub fn no_node(&self, session: &Session, lack: &str, timeout: Duration) -> BridgeError {
+    /// The error of a start without a node that reads `odometry`, or that writes the commands if `is_read`.
+    pub fn no_node(
+        &self,
+        session: &Session,
+        odometry: String,
+        is_read: bool,
+        timeout: Duration,
+    ) -> BridgeError {
+        let lack = if is_read {
+            format!("writes {}", self.topic)
+        } else {
+            format!("reads {odometry}")
+        };
         BridgeError::NoNode {
-            robot: self.robot.clone(),
-            lack: lack.to_owned(),
+            topic: self.topic.clone(),
+            odometry,
+            lack,
             domain: session.domain(),
             timeout_s: timeout.as_secs_f64(),
             type_name: self.commands.type_name(),
@@ -148,7 +159,7 @@ impl Answers {
         match self.commands.take()? {
             None => Ok(()),
             Some(command) => Err(BridgeError::SecondCommand {
-                robot: self.robot.clone(),
+                topic: self.topic.clone(),
                 tick,
                 v: command.v,
                 omega: command.omega,
@@ -170,7 +181,7 @@ impl Answers {
         let Some(command) = self.commands.wait(Instant::now() + timeout)? else {
             let is_written = self.is_written(session)?;
             return Err(BridgeError::NoCommand {
-                robot: self.robot.clone(),
+                topic: self.topic.clone(),
                 tick,
                 timeout_s: timeout.as_secs_f64(),
                 state: if is_written {
@@ -183,7 +194,7 @@ impl Answers {
         // The clock of a node that answers the data of a tick is still that of the tick before.
         match &command.stamp {
             Some(found) if found != stamp && found != before => Err(BridgeError::Stamp {
-                robot: self.robot.clone(),
+                topic: self.topic.clone(),
                 tick,
                 stamp_s: seconds(found),
                 expected_s: seconds(stamp),

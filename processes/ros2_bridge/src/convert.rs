@@ -4,15 +4,19 @@
 //! those of the log.
 
 use ipc_types::messages::perception::Particle;
+use ipc_types::messages::robot::PlanPoint;
 use ipc_types::messages::world::{MapCell, MapHeader, RobotState, WorldHeader};
 
 use ipc_types::topics::Scan;
 use ros_messages::messages::{
-    Header, LaserScan, MapMetaData, OccupancyGrid, Odometry, PoseArray, PoseWithCovariance,
-    TFMessage, Time, Transform, TransformStamped, Twist, TwistWithCovariance, Vector3,
+    Header, LaserScan, MapMetaData, OccupancyGrid, Odometry, Path, PoseArray, PoseStamped,
+    PoseWithCovariance, TFMessage, Time, Transform, TransformStamped, Twist, TwistWithCovariance,
+    Vector3,
 };
 use ros_messages::{pose, yaw};
 use runtime::inputs::Latest;
+
+use crate::names::Namespace;
 
 /// Frame of the world.
 pub const MAP: &str = "map";
@@ -23,10 +27,10 @@ pub fn time(state: &WorldHeader) -> Time {
 }
 
 /// Odometry of a robot, which has no error: its frame `odom` is that of the map.
-pub fn odometry(name: &str, robot: &RobotState, stamp: Time) -> Odometry {
+pub fn odometry(namespace: &Namespace, robot: &RobotState, stamp: Time) -> Odometry {
     Odometry {
-        header: header(stamp, format!("{name}/odom")),
-        child_frame_id: format!("{name}/base_link"),
+        header: header(stamp, namespace.frame("odom")),
+        child_frame_id: namespace.frame("base_link"),
         pose: PoseWithCovariance {
             pose: pose(robot.x, robot.y, 0.0, robot.theta),
             ..PoseWithCovariance::default()
@@ -48,10 +52,10 @@ pub fn odometry(name: &str, robot: &RobotState, stamp: Time) -> Odometry {
 }
 
 /// The same pose as a transform from `odom` to `base_link`.
-pub fn transform(name: &str, robot: &RobotState, stamp: Time) -> TransformStamped {
+pub fn transform(namespace: &Namespace, robot: &RobotState, stamp: Time) -> TransformStamped {
     TransformStamped {
-        header: header(stamp, format!("{name}/odom")),
-        child_frame_id: format!("{name}/base_link"),
+        header: header(stamp, namespace.frame("odom")),
+        child_frame_id: namespace.frame("base_link"),
         transform: Transform {
             translation: Vector3 {
                 x: robot.x,
@@ -64,7 +68,7 @@ pub fn transform(name: &str, robot: &RobotState, stamp: Time) -> TransformStampe
 }
 
 /// Transforms that never change: from the map to `odom` of each robot, from `base_link` to its scanner.
-pub fn static_transforms(names: &[String]) -> TFMessage {
+pub fn static_transforms<'a>(namespaces: impl Iterator<Item = &'a Namespace>) -> TFMessage {
     let fixed = |parent: String, child: String| TransformStamped {
         header: header(Time::default(), parent),
         child_frame_id: child,
@@ -73,23 +77,23 @@ pub fn static_transforms(names: &[String]) -> TFMessage {
             ..Transform::default()
         },
     };
-    let of_robot = |name: &String| {
+    let of_robot = |namespace: &Namespace| {
         [
-            fixed(MAP.to_owned(), format!("{name}/odom")),
-            fixed(format!("{name}/base_link"), format!("{name}/scan")),
+            fixed(MAP.to_owned(), namespace.frame("odom")),
+            fixed(namespace.frame("base_link"), namespace.frame("scan")),
         ]
     };
     TFMessage {
-        transforms: names.iter().flat_map(of_robot).collect(),
+        transforms: namespaces.flat_map(of_robot).collect(),
     }
 }
 
 /// A range scan.
-pub fn scan(name: &str, scan: &Latest<Scan>, stamp: Time, period_s: f64) -> LaserScan {
+pub fn scan(frame: String, scan: &Latest<Scan>, stamp: Time, period_s: f64) -> LaserScan {
     let (ranges, scan) = (&scan.elements, &scan.header);
     let last = ranges.len().saturating_sub(1) as f64;
     LaserScan {
-        header: header(stamp, format!("{name}/scan")),
+        header: header(stamp, frame),
         angle_min: scan.angle_min as f32,
         angle_max: (scan.angle_min + scan.angle_increment * last) as f32,
         angle_increment: scan.angle_increment as f32,
@@ -129,6 +133,19 @@ pub fn belief(particles: &[Particle], stamp: Time) -> PoseArray {
     }
 }
 
+/// A plan: its points with their headings.
+pub fn plan(points: impl Iterator<Item = PlanPoint>, stamp: Time) -> Path {
+    let header = header(stamp, MAP.to_owned());
+    let poses = points.map(|point| PoseStamped {
+        header: header.clone(),
+        pose: pose(point.x, point.y, 0.0, point.theta),
+    });
+    Path {
+        poses: poses.collect(),
+        header,
+    }
+}
+
 fn header(stamp: Time, frame_id: String) -> Header {
     Header { stamp, frame_id }
 }
@@ -159,8 +176,9 @@ mod tests {
             omega: -0.25,
             ..RobotState::default()
         };
-        let odometry = odometry("guard", &robot, Time::default());
-        let transform = transform("guard", &robot, Time::default());
+        let guard = Namespace::new("guard", "").unwrap();
+        let odometry = odometry(&guard, &robot, Time::default());
+        let transform = transform(&guard, &robot, Time::default());
         assert_eq!(odometry.header.frame_id, "guard/odom");
         assert_eq!(odometry.child_frame_id, "guard/base_link");
         assert_eq!(

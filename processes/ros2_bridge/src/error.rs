@@ -25,12 +25,14 @@ pub enum BridgeError {
     },
     /// Nodes are missing at the start.
     #[error(
-        "no node {lack} in ROS 2 domain {domain} within {timeout_s} s: expected a node that reads /{robot}/odom and \
-         writes /{robot}/cmd_vel of type {type_name}"
+        "no node {lack} in ROS 2 domain {domain} within {timeout_s} s: expected a node that reads {odometry} and \
+         writes {topic} of type {type_name}"
     )]
     NoNode {
-        /// The robot without a node.
-        robot: String,
+        /// The topic without a node.
+        topic: String,
+        /// Topic of the odometry of the robot.
+        odometry: String,
         /// Role that no node has, in words.
         lack: String,
         /// The domain.
@@ -41,10 +43,10 @@ pub enum BridgeError {
         type_name: String,
     },
     /// A node writes commands of another type.
-    #[error("a node writes /{robot}/cmd_vel as {found}: expected {type_name}; see `commands`")]
+    #[error("a node writes {topic} as {found}: expected {type_name}; see `commands`")]
     ForeignType {
-        /// The robot.
-        robot: String,
+        /// The topic.
+        topic: String,
         /// Type of the node, in the form of DDS.
         found: String,
         /// Type of the commands.
@@ -60,21 +62,21 @@ pub enum BridgeError {
         domain: u16,
     },
     /// Several nodes write the commands of a robot.
-    #[error("{count} nodes write /{robot}/cmd_vel: expected 1")]
+    #[error("{count} nodes write {topic}: expected 1")]
     Writers {
-        /// The robot.
-        robot: String,
+        /// The topic.
+        topic: String,
         /// Number of writers.
         count: usize,
     },
     /// A tick has no command of a robot.
     #[error(
-        "tick {tick}: no command in /{robot}/cmd_vel within {timeout_s} s: {state}; \
+        "tick {tick}: no command in {topic} within {timeout_s} s: {state}; \
          expected one command for each state"
     )]
     NoCommand {
-        /// The robot.
-        robot: String,
+        /// The topic.
+        topic: String,
         /// The tick.
         tick: u64,
         /// Time waited (s).
@@ -84,11 +86,11 @@ pub enum BridgeError {
     },
     /// A tick has more than one command of a robot.
     #[error(
-        "tick {tick}: a second command in /{robot}/cmd_vel, v = {v}, omega = {omega}: expected one command for each state"
+        "tick {tick}: a second command in {topic}, v = {v}, omega = {omega}: expected one command for each state"
     )]
     SecondCommand {
-        /// The robot.
-        robot: String,
+        /// The topic.
+        topic: String,
         /// The tick that it follows.
         tick: u64,
         /// Forward speed of the command (m/s).
@@ -98,11 +100,11 @@ pub enum BridgeError {
     },
     /// A command has the time of another tick.
     #[error(
-        "tick {tick}: the command in /{robot}/cmd_vel has the time {stamp_s} s: expected {expected_s} s, or 0"
+        "tick {tick}: the command in {topic} has the time {stamp_s} s: expected {expected_s} s, or 0"
     )]
     Stamp {
-        /// The robot.
-        robot: String,
+        /// The topic.
+        topic: String,
         /// The tick.
         tick: u64,
         /// Time of the command (s).

@@ -13,6 +13,8 @@ pub enum CommandType {
     Twist,
     /// `geometry_msgs/TwistStamped`; its time is that of the state that the command answers, or 0.
     TwistStamped,
+    /// None: nodes only watch, and the process has neither `team` nor `robots`.
+    None,
 }
 
 /// Order of the messages of a tick.
@@ -46,6 +48,11 @@ pub struct Ros2BridgeParams {
     pub answer_timeout_s: f64,
     /// Order of the messages of a tick.
     pub order: Order,
+    /// Robot whose topics and frames have no namespace (`/odom`, `base_link`), as those of the one robot of Nav2.
+    pub root: String,
+    /// Topics of the run that are published as they are in its log: `world/event` as `/world/event`, of type
+    /// `protean/WorldEvent`.
+    pub topics: Vec<String>,
 }
 
 impl Default for Ros2BridgeParams {
@@ -57,6 +64,8 @@ impl Default for Ros2BridgeParams {
             start_timeout_s: 30.0,
             answer_timeout_s: 5.0,
             order: Order::DataFirst,
+            root: String::new(),
+            topics: Vec::new(),
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Connects ROS 2 nodes to a run: state, map, scans and beliefs out, commands of the robots in.
+//! Connects ROS 2 nodes to a run: its topics out, commands of the robots in.
 
 use core::time::Duration;
 use std::time::Instant;
@@ -7,19 +7,18 @@ use ipc_types::bus::{Bus, Publisher, PublisherOptions};
 use ipc_types::messages::robot::Command;
 use ipc_types::messages::world::WorldHeader;
 use ipc_types::stamp::PlainHeader;
-use ipc_types::topics::{Belief, Commands};
-use ros_messages::messages::{
-    Clock as RosClock, LaserScan, OccupancyGrid, Odometry, PoseArray, TFMessage, Time,
-};
-use runtime::declaration::{Declaration, Flow, Input, Output};
-use runtime::inputs::{BeliefInput, MapInput, ScanInput, StateInput, reply_stamp};
+use ipc_types::topics::Commands;
+use ros_messages::messages::{Clock as RosClock, Time};
+use runtime::declaration::{Declaration, Input, Output};
+use runtime::inputs::reply_stamp;
 use runtime::{Clock, Process, ProcessConfig, ProcessError, ProcessKind};
 
 use crate::answers::{Answers, RobotCommand};
 use crate::convert;
+use crate::data::{RunTopics, read_by_name};
 use crate::error::BridgeError;
-use crate::params::{Order, Ros2BridgeParams};
-use crate::session::{RosPublisher, Session};
+use crate::params::{CommandType, Order, Ros2BridgeParams};
+use crate::session::{Kept, RosPublisher, Session};
 
 /// Pause between two looks at the nodes of a domain.
 const LOOK: Duration = Duration::from_millis(20);
@@ -29,10 +28,7 @@ const FIRST_ANSWER: Duration = Duration::from_secs(2);
 
 /// A robot that ROS 2 nodes steer.
 struct Robot {
-    index: u32,
-    name: String,
-    odometry: RosPublisher<Odometry>,
-    scan: Option<RosPublisher<LaserScan>>,
+    index: usize,
     answers: Answers,
 }
 
@@ -40,20 +36,10 @@ struct Robot {
 pub struct Ros2BridgeProcess {
     config: ProcessConfig,
     params: Ros2BridgeParams,
-    state: StateInput,
-    map: MapInput,
-    scans: Option<ScanInput>,
-    beliefs: Option<BeliefInput>,
-    commands: Publisher<Commands>,
+    topics: RunTopics,
+    commands: Option<Publisher<Commands>>,
     robots: Vec<Robot>,
     clock: RosPublisher<RosClock>,
-    transforms: RosPublisher<TFMessage>,
-    static_transforms: RosPublisher<TFMessage>,
-    grid: RosPublisher<OccupancyGrid>,
-    /// Publishers of beliefs, by the robot that they are about.
-    believed: Vec<(u32, RosPublisher<PoseArray>)>,
-    /// Revision of the map that was sent last.
-    sent_map: u32,
     /// Time of the last state.
     last: Time,
     has_answer: bool,
@@ -73,13 +59,17 @@ impl ProcessKind for Ros2BridgeProcess {
 
     type Params = Ros2BridgeParams;
 
-    fn declare(_: &Ros2BridgeParams) -> Declaration {
-        Declaration::default()
+    fn declare(params: &Ros2BridgeParams) -> Declaration {
+        let declared = Declaration::default()
             .reads(Input::STATE)
             .reads(Input::MAP)
             .reads(Input::SCANS.optional())
             .reads(Input::BELIEFS.optional())
-            .writes(Output::new::<Commands>(1))
+            .reads_named(read_by_name(params));
+        match params.commands {
+            CommandType::None => declared,
+            _ => declared.writes(Output::new::<Commands>(1)),
+        }
     }
 
     fn open(
@@ -87,44 +77,27 @@ impl ProcessKind for Ros2BridgeProcess {
         params: &Ros2BridgeParams,
         bus: &Bus,
     ) -> Result<Self, ProcessError> {
-        let all = config.run.robots.len();
         let mut session = Session::join(params.domain, &config.name, params.loopback)?;
+        let topics = RunTopics::open(config, params, bus, &mut session)?;
         let mut robots = Vec::new();
-        for (index, info) in config.own_robots() {
-            let name = namespace(&info.name)?;
-            robots.push(Robot {
-                index,
-                odometry: session.publisher(&format!("/{name}/odom"), false)?,
-                scan: (info.beams > 0)
-                    .then(|| session.publisher(&format!("/{name}/scan"), false))
-                    .transpose()?,
-                answers: Answers::open(&mut session, &name, params.commands)?,
-                name,
-            });
+        for (index, _) in config.own_robots() {
+            let index = index as usize;
+            let topic = topics.robots[index].namespace.topic("cmd_vel");
+            if let Some(answers) = Answers::open(&mut session, topic, params.commands)? {
+                robots.push(Robot { index, answers });
+            }
         }
-        let has_beliefs = config.run.capacity(Flow::for_topic::<Belief>()).is_some();
+        let commands = PublisherOptions::new(config.index, 1);
         Ok(Self {
-            state: StateInput::open(bus, all)?,
-            map: MapInput::open(bus)?,
-            scans: robots
-                .iter()
-                .any(|robot| robot.scan.is_some())
-                .then(|| ScanInput::open(bus, all))
+            commands: (!robots.is_empty())
+                .then(|| bus.publisher(commands))
                 .transpose()?,
-            beliefs: has_beliefs
-                .then(|| BeliefInput::open(bus, all))
-                .transpose()?,
-            commands: bus.publisher(PublisherOptions::new(config.index, 1))?,
-            clock: session.publisher("/clock", false)?,
-            transforms: session.publisher("/tf", false)?,
-            static_transforms: session.publisher("/tf_static", true)?,
-            grid: session.publisher("/map", true)?,
-            believed: Vec::new(),
-            sent_map: 0,
+            clock: session.publisher("/clock", Kept::Nothing)?,
             last: Time::default(),
             has_answer: false,
             config: config.clone(),
             params: params.clone(),
+            topics,
             robots,
             session,
         })
@@ -133,23 +106,15 @@ impl ProcessKind for Ros2BridgeProcess {
 
 impl Process for Ros2BridgeProcess {
     fn connect(&mut self) -> Result<(), ProcessError> {
-        self.state.connect()?;
-        self.map.connect()?;
-        if let Some(scans) = &self.scans {
-            scans.connect()?;
+        self.topics.connect()?;
+        if let Some(commands) = &self.commands {
+            commands.update_connections()?;
         }
-        if let Some(beliefs) = &self.beliefs {
-            beliefs.connect()?;
-        }
-        self.commands.update_connections()?;
         Ok(())
     }
 
     fn prepare(&mut self) -> Result<(), ProcessError> {
-        let names: Vec<String> = self.robots.iter().map(|robot| robot.name.clone()).collect();
-        self.static_transforms
-            .send(convert::static_transforms(&names))?;
-        self.send_map(Time::default())?;
+        self.topics.send_first()?;
         if self.config.run.clock == Clock::LockStep {
             self.wait_for_nodes()?;
         }
@@ -158,17 +123,9 @@ impl Process for Ros2BridgeProcess {
 
     fn step(&mut self, tick: u64) -> Result<(), ProcessError> {
         let clock = self.config.run.clock;
-        self.state.take_turn(tick, clock)?;
-        let header = self.state.header;
-        let mut received_ns = self.state.received_ns;
-        if let Some(scans) = &mut self.scans {
-            scans.update()?;
-            received_ns = received_ns.max(scans.received_ns);
-        }
-        if let Some(beliefs) = &mut self.beliefs {
-            beliefs.update()?;
-            received_ns = received_ns.max(beliefs.received_ns);
-        }
+        self.topics.state.take_turn(tick, clock)?;
+        let header = self.topics.state.header;
+        let received_ns = self.topics.receive(tick)?;
         let stamp = convert::time(&header);
         if clock == Clock::LockStep {
             for robot in &self.robots {
@@ -180,8 +137,7 @@ impl Process for Ros2BridgeProcess {
                 clock: stamp.clone(),
             })?;
         }
-        self.send_map(stamp.clone())?;
-        self.send_data(&stamp)?;
+        self.topics.send(&stamp)?;
         if self.params.order == Order::DataFirst {
             self.clock.send(RosClock {
                 clock: stamp.clone(),
@@ -204,20 +160,19 @@ impl Process for Ros2BridgeProcess {
                 let command = Command {
                     v,
                     omega,
-                    robot: self.robots[at].index,
+                    robot: self.robots[at].index as u32,
                     reserved: 0,
                 };
-                self.commands.send(header_out, &[command])?;
+                if let Some(commands) = &self.commands {
+                    commands.send(header_out, &[command])?;
+                }
             }
         }
         Ok(())
     }
 
     fn rejected(&self) -> u64 {
-        self.state.rejected
-            + self.map.rejected
-            + self.scans.as_ref().map_or(0, |scans| scans.rejected)
-            + self.beliefs.as_ref().map_or(0, |beliefs| beliefs.rejected)
+        self.topics.rejected()
     }
 }
 
@@ -227,16 +182,17 @@ impl Ros2BridgeProcess {
         let timeout = Duration::from_secs_f64(self.params.start_timeout_s);
         let until = Instant::now() + timeout;
         for robot in &self.robots {
+            let topics = &self.topics.robots[robot.index];
             loop {
-                let lack = if !robot.answers.is_written(&self.session)? {
-                    format!("writes /{}/cmd_vel", robot.name)
-                } else if robot.odometry.readers(&self.session) == 0 {
-                    format!("reads /{}/odom", robot.name)
-                } else {
+                let is_written = robot.answers.is_written(&self.session)?;
+                let is_read = topics.odometry.readers(&self.session) > 0;
+                if is_written && is_read {
                     break;
-                };
+                }
                 if Instant::now() >= until {
-                    return Err(robot.answers.no_node(&self.session, &lack, timeout));
+                    let odometry = topics.namespace.topic("odom");
+                    let answers = &robot.answers;
+                    return Err(answers.no_node(&self.session, odometry, !is_written, timeout));
                 }
                 std::thread::sleep(LOOK);
             }
@@ -266,7 +222,8 @@ impl Ros2BridgeProcess {
                     .wait(&self.session, tick, times, FIRST_ANSWER)
                 {
                     Err(BridgeError::NoCommand { .. }) => {
-                        self.send_odometry(at, stamp)?;
+                        let index = self.robots[at].index;
+                        self.topics.send_odometry(index, stamp)?;
                         self.clock.send(RosClock {
                             clock: stamp.clone(),
                         })?;
@@ -281,76 +238,5 @@ impl Ros2BridgeProcess {
         self.robots[at]
             .answers
             .wait(&self.session, tick, times, timeout)
-    }
-
-    /// Sends the map if it is a new one.
-    fn send_map(&mut self, stamp: Time) -> Result<(), ProcessError> {
-        self.map.update()?;
-        let revision = self.map.header.revision;
-        if revision != self.sent_map {
-            let grid = convert::grid(&self.map.header, self.map.cells(), stamp);
-            self.grid.send(grid)?;
-            self.sent_map = revision;
-        }
-        Ok(())
-    }
-
-    /// Sends the odometry of a robot.
-    fn send_odometry(&self, at: usize, stamp: &Time) -> Result<(), BridgeError> {
-        let robot = &self.robots[at];
-        let state = &self.state.robots[robot.index as usize];
-        let odometry = convert::odometry(&robot.name, state, stamp.clone());
-        robot.odometry.send(odometry)
-    }
-
-    /// Sends what the run says about a tick: beliefs, scans, transforms, then odometry.
-    fn send_data(&mut self, stamp: &Time) -> Result<(), BridgeError> {
-        let beliefs = self.beliefs.as_ref().map_or(&[][..], |b| &b.latest);
-        for belief in beliefs {
-            let about = belief.header.robot;
-            if !self.believed.iter().any(|(robot, _)| *robot == about) {
-                let name = &self.config.run.robots[about as usize].name;
-                let topic = format!("/belief/{}", namespace(name)?);
-                self.believed
-                    .push((about, self.session.publisher(&topic, false)?));
-            }
-            let publishers = self.believed.iter().filter(|(robot, _)| *robot == about);
-            for (_, publisher) in publishers {
-                publisher.send(convert::belief(&belief.elements, stamp.clone()))?;
-            }
-        }
-        let period_s = self.config.step_period();
-        for robot in &self.robots {
-            let scan = self.scans.as_ref().and_then(|s| s.latest(robot.index));
-            if let (Some(publisher), Some(scan)) = (&robot.scan, scan) {
-                let scan = convert::scan(&robot.name, scan, stamp.clone(), period_s);
-                publisher.send(scan)?;
-            }
-        }
-        let transform = |robot: &Robot| {
-            let state = &self.state.robots[robot.index as usize];
-            convert::transform(&robot.name, state, stamp.clone())
-        };
-        let transforms = self.robots.iter().map(transform).collect();
-        self.transforms.send(TFMessage { transforms })?;
-        for at in 0..self.robots.len() {
-            self.send_odometry(at, stamp)?;
-        }
-        Ok(())
-    }
-}
-
-/// The namespace of a robot: its name, if ROS 2 accepts it.
-fn namespace(name: &str) -> Result<String, BridgeError> {
-    let mut letters = name.chars();
-    let first = letters
-        .next()
-        .is_some_and(|c| c.is_ascii_alphabetic() || c == '_');
-    if first && letters.all(|c| c.is_ascii_alphanumeric() || c == '_') {
-        Ok(name.to_owned())
-    } else {
-        Err(BridgeError::Name {
-            name: name.to_owned(),
-        })
     }
 }

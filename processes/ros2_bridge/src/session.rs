@@ -20,6 +20,8 @@ use crate::error::BridgeError;
 
 /// Messages that a slow reader may lag behind.
 const DEPTH: usize = 10;
+/// Events that readers receive that come later.
+const EVENTS: usize = 1000;
 /// Time for which a writer waits for space.
 const FULL: Duration = Duration::from_secs(1);
 
@@ -32,12 +34,31 @@ const VOLATILE: QosProfile = QosProfile {
     ..QosProfile::publisher_default()
 };
 
-/// Reliable; readers that come later receive the last message.
-const LATCHED: QosProfile = QosProfile {
-    durability: Durability::TransientLocal,
-    history: History::KeepLast { depth: 1 },
-    ..VOLATILE
-};
+/// Messages that readers receive which come later.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kept {
+    /// None.
+    Nothing,
+    /// The last one.
+    Last,
+    /// All events, as `/rosout` of ROS 2 nodes.
+    Events,
+}
+
+impl Kept {
+    const fn profile(self) -> QosProfile {
+        let depth = match self {
+            Self::Nothing => return VOLATILE,
+            Self::Last => 1,
+            Self::Events => EVENTS,
+        };
+        QosProfile {
+            durability: Durability::TransientLocal,
+            history: History::KeepLast { depth },
+            ..VOLATILE
+        }
+    }
+}
 
 /// A node in a domain, with the thread that follows its discovery.
 pub struct Session {
@@ -106,17 +127,29 @@ impl Session {
         })
     }
 
-    /// Opens a publisher of a topic, `/robot/odom`; a latched one keeps its last message for later readers.
+    /// Opens a publisher of a topic, `/robot/odom`.
     ///
     /// # Errors
     /// [`BridgeError::Create`].
     pub fn publisher<M: RosType + Serialize>(
         &mut self,
         topic: &str,
-        latched: bool,
+        kept: Kept,
     ) -> Result<RosPublisher<M>, BridgeError> {
-        let profile = if latched { &LATCHED } else { &VOLATILE };
-        let opened = self.topic::<M>(topic, profile)?;
+        self.publisher_of_type(topic, &M::name(), kept)
+    }
+
+    /// Opens a publisher of messages of a type (`PACKAGE/NAME`).
+    ///
+    /// # Errors
+    /// [`BridgeError::Create`].
+    pub fn publisher_of_type<M: Serialize>(
+        &mut self,
+        topic: &str,
+        type_name: &str,
+        kept: Kept,
+    ) -> Result<RosPublisher<M>, BridgeError> {
+        let opened = self.topic(topic, type_name, &kept.profile())?;
         let publisher = self
             .node
             .create_publisher(&opened, None)
@@ -135,7 +168,7 @@ impl Session {
         &mut self,
         topic: &str,
     ) -> Result<RosSubscription<M>, BridgeError> {
-        let opened = self.topic::<M>(topic, &VOLATILE)?;
+        let opened = self.topic(topic, &M::name(), &VOLATILE)?;
         let subscription = self
             .node
             .create_subscription(&opened, None)
@@ -146,13 +179,13 @@ impl Session {
         })
     }
 
-    fn topic<M: RosType>(
+    fn topic(
         &self,
         topic: &str,
+        type_name: &str,
         profile: &QosProfile,
     ) -> Result<rustdds::Topic, BridgeError> {
         let name = Name::parse(topic).map_err(|error| self.refused(topic, error.to_string()))?;
-        let type_name = M::name();
         let (package, message) = type_name.split_once('/').unwrap_or_default();
         self.node
             .create_topic(&name, MessageTypeName::new(package, message), profile)

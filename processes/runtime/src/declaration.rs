@@ -203,6 +203,17 @@ impl Declaration {
         if condition { self.reads(input) } else { self }
     }
 
+    /// Adds the topics with these names to the inputs; unknown ones are refused when they are opened.
+    #[must_use]
+    pub fn reads_named<'a>(self, names: impl IntoIterator<Item = &'a str>) -> Self {
+        let topics = names.into_iter().filter_map(|name| readable(name).ok());
+        topics.fold(self, |declared, topic| {
+            let input = input(topic, &[]);
+            let is_new = declared.input(input.flow).is_none();
+            declared.reads_if(is_new, input)
+        })
+    }
+
     /// Adds an output.
     #[must_use]
     pub fn writes(mut self, output: Output) -> Self {

@@ -2,7 +2,8 @@
 
 use core::fmt;
 
-use ipc_types::bus::{AnySubscriber, AnyTopic, Bus};
+use ipc_types::bus::{AnyMessage, AnySubscriber, AnyTopic, Bus};
+use ipc_types::stamp::Stamp;
 use ipc_types::topics::TopicId;
 
 use crate::config::{Clock, ProcessConfig};
@@ -41,6 +42,23 @@ pub struct RawMessage {
     pub header: Vec<u8>,
     /// Bytes of its elements.
     pub elements: Vec<u8>,
+}
+
+impl RawMessage {
+    /// Returns its CDR form, as logs contain it.
+    pub fn cdr(&self, topic: TopicId) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        let message = AnyMessage {
+            topic,
+            stamp: &Stamp::default(),
+            header: &self.header,
+            elements: &self.elements,
+            count: self.elements.len() / topic.facts().element.size.max(1),
+            shared: None,
+        };
+        message.encode(&mut bytes);
+        bytes
+    }
 }
 
 impl fmt::Debug for RawInput {
