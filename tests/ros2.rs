@@ -80,17 +80,23 @@ impl Domain {
         })
     }
 
-    fn node(&self, mode: &str) -> RosNode {
-        let script = concat!(env!("CARGO_MANIFEST_DIR"), "/python/ros2_planner.py");
-        let node = Command::new(&self.python)
-            .args([script, mode, "robot_1", "robot_2", "robot_3"])
+    /// A script of `tests/python`, in the domain.
+    fn script(&self, name: &str) -> Command {
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/python");
+        let mut script = Command::new(&self.python);
+        script
+            .arg(PathBuf::from(folder).join(name))
             .env("ROS_DOMAIN_ID", &self.id)
             .env("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
             .env("HOME", self.sandbox.path())
-            .stderr(Stdio::null())
-            .spawn()
-            .unwrap();
-        RosNode(node)
+            .stderr(Stdio::null());
+        script
+    }
+
+    fn node(&self, mode: &str) -> RosNode {
+        let mut script = self.script("ros2_planner.py");
+        script.args([mode, "robot_1", "robot_2", "robot_3"]);
+        RosNode(script.spawn().unwrap())
     }
 
     fn run<'a>(&'a self, log: &'a str) -> Call<'a> {
@@ -193,4 +199,58 @@ fn nodes_that_are_missing_end_or_answer_twice_are_named() {
             "expected geometry_msgs/Twist",
         ],
     );
+}
+
+/// A process that lets nodes watch a run, with the evader in place of Nav2's one robot.
+const WATCHED: &str = r#"
+[[processes]]
+name = "watched"
+kind = "ros2_bridge"
+[processes.params]
+commands = "none"
+root = "evader_1"
+topics = ["world/event"]
+"#;
+
+/// Longer than 10 s: the watched run is in real time.
+#[test]
+fn nodes_that_watch_a_run_see_all_of_it_and_change_nothing() {
+    let Some(domain) = Domain::new(2) else { return };
+    let sandbox = &domain.sandbox;
+    let new = sandbox.protean(["new", "chase.toml", "--from", "chase"]);
+    assert_eq!(new.run().code, Some(0));
+    let path = sandbox.path().join("chase.toml");
+    let text = std::fs::read_to_string(&path).unwrap() + WATCHED;
+    std::fs::write(&path, text).unwrap();
+    let run = |words: [&'static str; 4]| {
+        let call = sandbox.protean(words).args(["--seed", "1"]);
+        call.set("rules.time_limit=9")
+    };
+    let domain_key = format!("processes.watched.params.domain={}", domain.id);
+    let alone = run(["run", "chase", "--out", "alone.mcap"]).json();
+    let watched = run(["run", "chase.toml", "--out", "watched.mcap"]);
+    let watched = watched.set(&domain_key).json();
+    assert_eq!(alone["digest"], watched["digest"]);
+    let mut script = domain.script("ros2_watcher.py");
+    let script = script.args(["evader_1", "police_1", "the game is over"]);
+    let watcher = script.stdout(Stdio::piped()).spawn().unwrap();
+    let real = run(["run", "chase.toml", "--out", "real.mcap"]).set(&domain_key);
+    let real = real.args(["--real-time", "--quiet"]).run();
+    // Whether a message is lost depends on the machine.
+    assert!(
+        real.code.is_some_and(|code| code != 1 && code != 2),
+        "{real}"
+    );
+    let output = watcher.wait_with_output().unwrap();
+    let seen: Json = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(seen["frames"], serde_json::json!([["odom", "base_link"]]));
+    assert_eq!(seen["others"], serde_json::json!(["police_1/base_link"]));
+    let lines = seen["lines"].as_array().unwrap();
+    assert!(
+        lines.iter().any(|line| line == "evader_1 ran out of time"),
+        "{seen}"
+    );
+    assert_eq!(seen["maps"].as_array().unwrap().len(), 1, "{seen}");
+    assert!(seen["plans"].as_u64().unwrap() > 1, "{seen}");
+    assert_eq!(seen["beliefs"], 400, "{seen}");
 }

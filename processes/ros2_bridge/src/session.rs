@@ -46,7 +46,8 @@ pub enum Kept {
 }
 
 impl Kept {
-    const fn profile(self) -> QosProfile {
+    /// Quality of service of its publishers.
+    pub(crate) const fn profile(self) -> QosProfile {
         let depth = match self {
             Self::Nothing => return VOLATILE,
             Self::Last => 1,

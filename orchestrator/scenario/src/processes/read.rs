@@ -45,12 +45,12 @@ pub fn block(
     if !check_name(ctx, node, path, "name", &name) {
         return;
     }
-    let (program, kind) = match named {
+    let program = match named {
         BlockProgram::Kind(kind) => {
             let Some(configured) = read_params(ctx, base, node, path, kind) else {
                 return;
             };
-            (Program::Kind(configured), Some(kind))
+            Program::Kind(configured)
         }
         BlockProgram::Command(words) => {
             // The external program interprets its parameters.
@@ -71,16 +71,15 @@ pub fn block(
             let Some(declared) = read_declaration(ctx, node, path) else {
                 return;
             };
-            let program = Program::Command {
+            Program::Command {
                 words,
                 folder,
                 params,
                 declared,
-            };
-            (program, None)
+            }
         }
     };
-    let Some(driven) = read_robots(ctx, node, path, &block, kind, robots) else {
+    let Some(driven) = read_robots(ctx, node, path, &block, program.kind(), robots) else {
         return;
     };
     if !driven.is_empty() && node.get("declaration").is_some() {
@@ -380,7 +379,7 @@ fn read_robots(
     node: &Node,
     path: &FieldPath,
     block: &ProcessBlock,
-    kind: Option<&Kind>,
+    kind: Option<&ConfiguredKind>,
     robots: Option<&[Robot]>,
 ) -> Option<Vec<usize>> {
     let named = block.robots.as_deref();
@@ -401,7 +400,7 @@ fn read_robots(
     let gives = if named.is_some() { "robots" } else { "team" };
     if !drives {
         if named.is_some() || block.team.is_some() {
-            let kind = kind.map_or("", |k| k.name);
+            let kind = kind.map_or("", |kind| kind.kind().name);
             let message = format!("a process of kind `{kind}` drives no robots");
             let problem = ctx
                 .problem(node, path, gives, Code::Requirement, message)
