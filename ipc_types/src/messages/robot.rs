@@ -31,6 +31,19 @@ message! {
 }
 
 message! {
+    /// Pose and velocity of a robot outside of the simulation, in `robot/pose`.
+    pub struct MeasuredPose = "protean/MeasuredPose" {
+        x: f64 = "x [m]",
+        y: f64 = "y [m]",
+        theta: f64 = "heading [rad]",
+        v: f64 = "forward speed [m/s]",
+        omega: f64 = "turning rate [rad/s]",
+        robot: u32 = "index of the robot",
+        reserved: u32 = "always 0",
+    }
+}
+
+message! {
     /// Header of `robot/plan`.
     pub struct PlanHeader = "protean/PlanHeader" {
         stamp: Stamp = "when, in which order, by whom",

@@ -7,7 +7,7 @@ use crate::messages::perception::{BeliefHeader, Particle, Sighting};
 use crate::messages::process::{LogHeader, ProcessEvent, ProcessStatus, RunControl};
 use crate::messages::referee::{DominanceCell, DominanceHeader, Verdict};
 use crate::messages::robot::{
-    Command, PlanHeader, PlanPoint, ScanHeader, TreeEdge, TreeHeader, WaypointEnd,
+    Command, MeasuredPose, PlanHeader, PlanPoint, ScanHeader, TreeEdge, TreeHeader, WaypointEnd,
 };
 use crate::messages::world::{
     CoverageState, MapCell, MapHeader, ObstacleEvent, RobotState, ShapePoint, ShapesHeader,
@@ -137,6 +137,11 @@ built_in! {
         qos |s| per_tick s.robots, publishers s.processes, subscribers s.readers();
     /// Events of robots: a guard sights, loses, returns: planners → all.
     RobotEvents = "robot/event": Many, "events", PlainHeader, WorldEvent,
+        simulated true, latched false, timed true,
+        may_be_infinite [],
+        qos |s| per_tick s.robots, publishers s.processes, subscribers s.readers();
+    /// Poses of robots outside of the simulation, which were measured since the last tick: bridges → simulator.
+    MeasuredPoses = "robot/pose": Many, "poses", PlainHeader, MeasuredPose,
         simulated true, latched false, timed true,
         may_be_infinite [],
         qos |s| per_tick s.robots, publishers s.processes, subscribers s.readers();

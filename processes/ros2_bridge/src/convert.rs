@@ -36,17 +36,22 @@ pub fn odometry(namespace: &Namespace, robot: &RobotState, stamp: Time) -> Odome
             ..PoseWithCovariance::default()
         },
         twist: TwistWithCovariance {
-            twist: Twist {
-                linear: Vector3 {
-                    x: robot.v,
-                    ..Vector3::default()
-                },
-                angular: Vector3 {
-                    z: robot.omega,
-                    ..Vector3::default()
-                },
-            },
+            twist: twist(robot.v, robot.omega),
             ..TwistWithCovariance::default()
+        },
+    }
+}
+
+/// Velocities: forward (m/s), turning (rad/s).
+pub fn twist(v: f64, omega: f64) -> Twist {
+    Twist {
+        linear: Vector3 {
+            x: v,
+            ..Vector3::default()
+        },
+        angular: Vector3 {
+            z: omega,
+            ..Vector3::default()
         },
     }
 }

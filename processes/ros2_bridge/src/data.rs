@@ -27,8 +27,8 @@ const CONVERTED: [TopicId; 3] = [TopicId::Plan, TopicId::WorldEvents, TopicId::R
 pub struct RobotTopics {
     /// Names of its topics and frames.
     pub namespace: Namespace,
-    /// Publisher of its odometry.
-    pub odometry: RosPublisher<Odometry>,
+    /// Publisher of its odometry; `None` for a robot that sends it itself.
+    pub odometry: Option<RosPublisher<Odometry>>,
     scan: Option<RosPublisher<LaserScan>>,
     plan: Option<RosPublisher<Path>>,
     /// Publisher of the belief about it.
@@ -83,9 +83,12 @@ impl RunTopics {
         for robot in &run.robots {
             let namespace = Namespace::new(&robot.name, &params.root)?;
             let nothing = Kept::Nothing;
+            let is_simulated = !params.source.contains(&robot.name);
             robots.push(RobotTopics {
-                odometry: session.publisher(&namespace.topic("odom"), nothing)?,
-                scan: (robot.beams > 0)
+                odometry: is_simulated
+                    .then(|| session.publisher(&namespace.topic("odom"), nothing))
+                    .transpose()?,
+                scan: (is_simulated && robot.beams > 0)
                     .then(|| session.publisher(&namespace.topic("scan"), nothing))
                     .transpose()?,
                 plan: has_plans
@@ -154,7 +157,8 @@ impl RunTopics {
     /// # Errors
     /// [`BridgeError::Transfer`]; [`ProcessError`] if the transport fails.
     pub fn send_first(&mut self) -> Result<(), ProcessError> {
-        let namespaces = self.robots.iter().map(|robot| &robot.namespace);
+        let simulated = self.robots.iter().filter(|robot| robot.odometry.is_some());
+        let namespaces = simulated.map(|robot| &robot.namespace);
         self.static_transforms
             .send(convert::static_transforms(namespaces))?;
         self.send_map(Time::default())
@@ -195,6 +199,7 @@ impl RunTopics {
         }
         let robots = self.robots.iter().zip(&self.state.robots);
         let transforms = robots
+            .filter(|(robot, _)| robot.odometry.is_some())
             .map(|(robot, state)| convert::transform(&robot.namespace, state, stamp.clone()))
             .collect();
         self.transforms.send(TFMessage { transforms })?;
@@ -214,7 +219,10 @@ impl RunTopics {
             return Ok(());
         };
         let odometry = convert::odometry(&robot.namespace, state, stamp.clone());
-        robot.odometry.send(odometry)
+        robot
+            .odometry
+            .iter()
+            .try_for_each(|out| out.send(odometry.clone()))
     }
 
     /// Number of rejected messages so far.

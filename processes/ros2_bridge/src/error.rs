@@ -23,6 +23,25 @@ pub enum BridgeError {
         /// Name of the robot.
         name: String,
     },
+    /// A robot outside of the simulation is not of the run.
+    #[error("source = {name}: expected names of robots of the scenario")]
+    Source {
+        /// The name.
+        name: String,
+    },
+    /// The run is in lock-step, but a robot is outside of the simulation.
+    #[error(
+        "robots in `source` are outside of the simulation, which cannot wait for them: expected a run with --real-time"
+    )]
+    LockStep,
+    /// A robot outside of the simulation sends no odometry at the start.
+    #[error("no message in {topic} within {timeout_s} s: expected nav_msgs/Odometry of the robot")]
+    NoOdometry {
+        /// The topic.
+        topic: String,
+        /// Time waited (s).
+        timeout_s: f64,
+    },
     /// Nodes are missing at the start.
     #[error(
         "no node {lack} in ROS 2 domain {domain} within {timeout_s} s: expected a node that reads {odometry} and \

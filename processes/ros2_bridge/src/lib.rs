@@ -7,6 +7,7 @@
 //! - [`convert`]: messages of a run as those of ROS 2; [`names`]: their topics and frames;
 //! - [`data`]: the topics of a run and their publishers; [`named`]: those that are published as they are;
 //! - [`session`]: participant, publishers and subscriptions;
+//! - [`source`]: robots outside of the simulation;
 //! - [`answers`]: the commands of a tick: each robot one, each in its tick;
 //! - [`process`]: the process.
 
@@ -19,6 +20,7 @@ pub mod names;
 pub mod params;
 pub mod process;
 pub mod session;
+pub mod source;
 
 pub use params::Ros2BridgeParams;
 pub use process::Ros2BridgeProcess;

@@ -50,6 +50,12 @@ pub struct Ros2BridgeParams {
     pub order: Order,
     /// Robot whose topics and frames have no namespace (`/odom`, `base_link`), as those of the one robot of Nav2.
     pub root: String,
+    /// Robots outside of the simulation, in real time: each is where its `/ROBOT/odom` says, and `/ROBOT/cmd_vel` has the
+    /// commands of its planner.
+    pub source: Vec<String>,
+    /// Age of the odometry of such a robot, and of the commands of its planner, from which on it is told to stop.
+    #[schemars(transform = above(0).unit("s"))]
+    pub source_deadline_s: f64,
     /// Topics of the run that are published as they are in its log: `world/event` as `/world/event`, of type
     /// `protean/WorldEvent`.
     pub topics: Vec<String>,
@@ -65,6 +71,8 @@ impl Default for Ros2BridgeParams {
             answer_timeout_s: 5.0,
             order: Order::DataFirst,
             root: String::new(),
+            source: Vec::new(),
+            source_deadline_s: 0.5,
             topics: Vec::new(),
         }
     }

@@ -7,9 +7,9 @@ use ipc_types::bus::{Bus, Publisher, PublisherOptions};
 use ipc_types::messages::robot::Command;
 use ipc_types::messages::world::WorldHeader;
 use ipc_types::stamp::PlainHeader;
-use ipc_types::topics::Commands;
+use ipc_types::topics::{Commands, MeasuredPoses};
 use ros_messages::messages::{Clock as RosClock, Time};
-use runtime::declaration::{Declaration, Input, Output};
+use runtime::declaration::{Declaration, Flow, Input, Output, When};
 use runtime::inputs::reply_stamp;
 use runtime::{Clock, Process, ProcessConfig, ProcessError, ProcessKind};
 
@@ -19,6 +19,7 @@ use crate::data::{RunTopics, read_by_name};
 use crate::error::BridgeError;
 use crate::params::{CommandType, Order, Ros2BridgeParams};
 use crate::session::{Kept, RosPublisher, Session};
+use crate::source::Sources;
 
 /// Pause between two looks at the nodes of a domain.
 const LOOK: Duration = Duration::from_millis(20);
@@ -39,6 +40,7 @@ pub struct Ros2BridgeProcess {
     topics: RunTopics,
     commands: Option<Publisher<Commands>>,
     robots: Vec<Robot>,
+    sources: Option<Sources>,
     clock: RosPublisher<RosClock>,
     /// Time of the last state.
     last: Time,
@@ -66,9 +68,15 @@ impl ProcessKind for Ros2BridgeProcess {
             .reads(Input::SCANS.optional())
             .reads(Input::BELIEFS.optional())
             .reads_named(read_by_name(params));
-        match params.commands {
+        let declared = match params.commands {
             CommandType::None => declared,
             _ => declared.writes(Output::new::<Commands>(1)),
+        };
+        match params.source.len() {
+            0 => declared,
+            sources => declared
+                .reads(Input::new(Flow::for_topic::<Commands>(), When::Event))
+                .writes(Output::new::<MeasuredPoses>(sources)),
         }
     }
 
@@ -92,6 +100,7 @@ impl ProcessKind for Ros2BridgeProcess {
             commands: (!robots.is_empty())
                 .then(|| bus.publisher(commands))
                 .transpose()?,
+            sources: Sources::open(config, params, bus, &mut session)?,
             clock: session.publisher("/clock", Kept::Nothing)?,
             last: Time::default(),
             has_answer: false,
@@ -110,6 +119,9 @@ impl Process for Ros2BridgeProcess {
         if let Some(commands) = &self.commands {
             commands.update_connections()?;
         }
+        if let Some(sources) = &self.sources {
+            sources.connect()?;
+        }
         Ok(())
     }
 
@@ -118,11 +130,15 @@ impl Process for Ros2BridgeProcess {
         if self.config.run.clock == Clock::LockStep {
             self.wait_for_nodes()?;
         }
+        if let Some(sources) = &mut self.sources {
+            sources.wait()?;
+        }
         Ok(())
     }
 
     fn step(&mut self, tick: u64) -> Result<(), ProcessError> {
         let clock = self.config.run.clock;
+        let begun = Instant::now();
         self.topics.state.take_turn(tick, clock)?;
         let header = self.topics.state.header;
         let received_ns = self.topics.receive(tick)?;
@@ -146,6 +162,9 @@ impl Process for Ros2BridgeProcess {
         let header_out = PlainHeader {
             stamp: reply_stamp(&header, received_ns),
         };
+        if let Some(sources) = &mut self.sources {
+            sources.measure(header_out.stamp)?;
+        }
         let before = core::mem::replace(&mut self.last, stamp.clone());
         if header.phase == WorldHeader::OVER {
             return Ok(());
@@ -168,6 +187,11 @@ impl Process for Ros2BridgeProcess {
                 }
             }
         }
+        if let Some(sources) = &mut self.sources {
+            // Half of a step is left for the messages on their way.
+            let until = begun + Duration::from_secs_f64(self.config.step_period() / 2.0);
+            sources.steer(tick, &self.last, until)?;
+        }
         Ok(())
     }
 
@@ -185,7 +209,10 @@ impl Ros2BridgeProcess {
             let topics = &self.topics.robots[robot.index];
             loop {
                 let is_written = robot.answers.is_written(&self.session)?;
-                let is_read = topics.odometry.readers(&self.session) > 0;
+                let is_read = topics
+                    .odometry
+                    .as_ref()
+                    .is_some_and(|out| out.readers(&self.session) > 0);
                 if is_written && is_read {
                     break;
                 }

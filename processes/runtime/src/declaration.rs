@@ -12,8 +12,8 @@ use core::fmt;
 
 use ipc_types::bus::AnyTopic;
 use ipc_types::topics::{
-    Commands, Coverage, ObstacleEvents, RobotEvents, Scan, Service, Topic, TopicId, Tree,
-    Waypoints, WorldEvents, WorldMap, WorldShapes, WorldState,
+    Commands, Coverage, MeasuredPoses, ObstacleEvents, RobotEvents, Scan, Service, Topic, TopicId,
+    Tree, Waypoints, WorldEvents, WorldMap, WorldShapes, WorldState,
 };
 
 /// A stream of messages between processes.
@@ -178,9 +178,11 @@ impl Declaration {
     pub fn of_simulator() -> Self {
         let commands = Input::new(Flow::for_topic::<Commands>(), When::NextTick);
         let changes = Input::new(Flow::for_topic::<ObstacleEvents>(), When::Event);
+        let poses = Input::new(Flow::for_topic::<MeasuredPoses>(), When::Event);
         Self::default()
             .reads(commands)
             .reads(changes)
+            .reads(poses.optional())
             .writes(Output::new::<WorldState>(0).at(When::ThisTick))
             .writes(Output::new::<Scan>(0).at(When::ThisTick))
             .writes(Output::new::<WorldMap>(0).at(When::Latched))

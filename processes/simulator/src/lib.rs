@@ -3,10 +3,12 @@
 //! * [`process`]: the loop, in lock-step and in real time;
 //! * [`event_schedule`]: changes of the obstacles that depend on robots or on each other;
 //! * [`commands`]: selection of each robot's command;
+//! * `measured`: robots outside of the simulation;
 //! * [`outputs`]: the world as messages.
 
 pub mod commands;
 pub mod event_schedule;
+mod measured;
 mod obstacles;
 pub mod outputs;
 pub mod params;

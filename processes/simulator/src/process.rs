@@ -28,6 +28,7 @@ use sim_backend::world::World;
 
 use crate::commands::CommandBoard;
 use crate::event_schedule::EventSchedule;
+use crate::measured::Measured;
 use crate::obstacles::Obstacles;
 use crate::outputs::{self, Flags};
 use crate::params::SimulatorParams;
@@ -121,6 +122,7 @@ pub struct Simulator {
     scan_out: Publisher<Scan>,
     coverage_out: Publisher<Coverage>,
     commands_in: Subscriber<Commands>,
+    measured: Measured,
     /// The commands that come late or not at all; `None` without links.
     inbox: Option<Rc<Inbox>>,
 }
@@ -193,6 +195,7 @@ impl Simulator {
                 Some(inbox) => bus.through(inbox, || bus.subscriber())?,
                 None => bus.subscriber()?,
             },
+            measured: Measured::open(bus, robots)?,
             inbox,
             world,
         })
@@ -220,6 +223,7 @@ impl Simulator {
         self.scan_out.update_connections()?;
         self.coverage_out.update_connections()?;
         self.commands_in.update_connections()?;
+        self.measured.connect()?;
         self.obstacles.connect()
     }
 
@@ -370,7 +374,7 @@ impl Simulator {
         self.tick.saturating_mul(self.tick_period.as_nanos() as u64)
     }
 
-    /// Receives the pending commands; counts and logs rejected ones.
+    /// Receives the pending commands and measured poses; counts and logs rejected ones.
     ///
     /// # Errors
     /// [`ProcessError`] if the transport fails.
@@ -378,6 +382,7 @@ impl Simulator {
         if let Some(inbox) = &self.inbox {
             inbox.begin(self.tick)?;
         }
+        self.refused_commands += self.measured.take(&mut self.world, self.tick)?;
         while let Some(message) = self.commands_in.receive()? {
             let now = self.clock.now_ns();
             for command in message.elements() {
@@ -414,7 +419,8 @@ impl Simulator {
         for (index, robot) in robots.iter().enumerate() {
             let is_active = robot.status.code() == 0;
             let missing = is_active && self.board.is_missing(index);
-            self.stopped[index] = is_active && self.board.is_stopped(index);
+            let is_lost = self.measured.is_lost(index, self.tick, max_age);
+            self.stopped[index] = is_active && (is_lost || self.board.is_stopped(index));
             if missing && !self.missing[index] {
                 self.events.push(outputs::missing_command(index, robots));
             }

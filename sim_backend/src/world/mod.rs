@@ -87,6 +87,8 @@ struct Extra {
     odometry: Option<OdometrySpec>,
     /// Pose by its odometry.
     odometry_pose: Pose2,
+    /// Velocity of a robot outside of the simulation, as it was measured last.
+    measured: Option<Twist2>,
     /// `true` if its last command was invalid.
     invalid_command: bool,
     /// Time for which hostile pursuers have been within the capture radius.
@@ -139,6 +141,7 @@ impl World {
                 scan: spec.scan,
                 odometry: spec.odometry,
                 odometry_pose: robot.pose,
+                measured: None,
                 invalid_command: false,
                 held: Duration::ZERO,
                 rest: Rest::new(robot.pose.position()),
@@ -203,6 +206,9 @@ impl World {
                 seconds,
                 self.rules.blocked,
             );
+            for (robot, extra) in self.robots.iter_mut().zip(&self.extras) {
+                robot.twist = extra.measured.unwrap_or(robot.twist);
+            }
             if let Some(coverage) = &mut self.coverage {
                 coverage.end(&self.robots, &self.motion, seconds, self.tick, self.time);
             }
@@ -219,11 +225,25 @@ impl World {
         self.pending.drain(..)
     }
 
+    /// Puts a robot outside of the simulation where it was measured, with its velocity. From then on it moves by such calls
+    /// alone, not by its commands; sensors and rules of the next step see it there. An unknown index is ignored.
+    pub fn place(&mut self, robot: usize, pose: Pose2, twist: Twist2) {
+        if let (Some(robot), Some(extra)) = (self.robots.get_mut(robot), self.extras.get_mut(robot))
+        {
+            let way = (pose.position() - robot.pose.position()).norm();
+            robot.distance_travelled += way;
+            robot.pose = pose;
+            robot.twist = twist;
+            extra.measured = Some(twist);
+            self.motion.forget();
+        }
+    }
+
     /// Computes the motion of each drive in this step.
     fn execute_commands(&mut self, commands: &[Option<Twist2>], dt: f64) {
         for i in 0..self.robots.len() {
             let (robot, extra) = (&mut self.robots[i], &mut self.extras[i]);
-            if !robot.is_active() {
+            if !robot.is_active() || extra.measured.is_some() {
                 self.twists[i] = Twist2::STOP;
                 continue;
             }

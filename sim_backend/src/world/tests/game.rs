@@ -359,3 +359,35 @@ fn a_robot_that_stands_before_its_goal_is_reported_once_per_standstill() {
     assert_eq!(reports[0], 10.0);
     assert!((reports[1] - 30.0).abs() < 0.5, "{reports:?}");
 }
+
+#[test]
+fn a_robot_outside_of_the_simulation_is_where_it_was_measured() {
+    let robots = vec![
+        racer("real", Role::Neutral, 0.0, 0.0, 0.0),
+        racer("other", Role::Neutral, 3.0, 0.0, 0.0),
+    ];
+    let mut world = world(room(Vec::new()), robots, RulesSpec::default());
+    world.step(&[drive(1.0, 0.0), drive(1.0, 0.0)], TICK);
+    assert_eq!(world.robots()[0].pose.x, 0.05);
+    let (pose, twist) = (Pose2::new(1.05, 1.0, 2.0), Twist2::new(0.3, -0.1));
+    world.place(0, pose, twist);
+    for _ in 0..3 {
+        world.step(&[drive(1.0, 0.0), drive(1.0, 0.0)], TICK);
+    }
+    let [real, other] = world.robots() else {
+        panic!("two robots")
+    };
+    assert_eq!((real.pose, real.twist), (pose, twist));
+    assert!((real.distance_travelled - (0.05 + 2.0_f64.sqrt())).abs() < 1e-12);
+    assert!((other.pose.x - 3.2).abs() < 1e-12);
+    // Rules see it there.
+    let mut world_end = world.clone();
+    world_end.place(0, Pose2::new(3.25, 0.0, 0.0), Twist2::STOP);
+    world_end.step(&[None, None], TICK);
+    assert!(
+        kinds(world_end.events())
+            .iter()
+            .any(|kind| matches!(kind, EventKind::ContactBegan { .. }))
+    );
+    world.place(9, pose, twist);
+}
