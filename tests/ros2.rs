@@ -125,7 +125,7 @@ fn fresh(history: &History) -> f64 {
     fresh as f64 / all as f64
 }
 
-/// Longer than 10 s: nodes of ROS 2 take seconds to start, and there are five runs.
+/// Longer than 10 s: nodes of ROS 2 take seconds to start, and there are six runs.
 #[test]
 fn nodes_of_ros_2_have_one_history_and_the_data_of_their_tick() {
     let Some(domain) = Domain::new(0) else { return };
@@ -144,6 +144,12 @@ fn nodes_of_ros_2_have_one_history_and_the_data_of_their_tick() {
         assert_eq!(summary["digest"], timer["digest"], "{mode}");
         std::fs::remove_file(domain.sandbox.path().join("again.mcap")).unwrap();
     }
+    // Peers that send anything at all change nothing.
+    let hostile = domain.script("ros2_hostile.py").spawn().unwrap();
+    let hostile = RosNode(hostile);
+    let (summary, share) = domain.steered("event", "hostile.mcap", "run.seed=1");
+    assert_eq!((share, &summary["digest"]), (1.0, &timer["digest"]));
+    drop(hostile);
     // The check above can fail: a clock before the data lets timers use older data.
     let (_, share) = domain.steered(
         "timer",
@@ -253,4 +259,60 @@ fn nodes_that_watch_a_run_see_all_of_it_and_change_nothing() {
     assert_eq!(seen["maps"].as_array().unwrap().len(), 1, "{seen}");
     assert!(seen["plans"].as_u64().unwrap() > 1, "{seen}");
     assert_eq!(seen["beliefs"], 400, "{seen}");
+}
+
+/// A process that takes the robot out of the simulation.
+const OUTSIDE: &str = r#"
+[[processes]]
+name = "outside"
+kind = "ros2_bridge"
+[processes.params]
+commands = "none"
+source = ["robot"]
+start_timeout_s = 50.0
+"#;
+
+/// Longer than 10 s: the runs are in real time.
+#[test]
+fn a_robot_of_ros_2_is_steered_and_stops_without_odometry() {
+    let Some(domain) = Domain::new(3) else { return };
+    let sandbox = &domain.sandbox;
+    let new = sandbox.protean(["new", "hello.toml", "--from", "hello"]);
+    assert_eq!(new.run().code, Some(0));
+    let path = sandbox.path().join("hello.toml");
+    let text = std::fs::read_to_string(&path).unwrap() + OUTSIDE;
+    std::fs::write(&path, text).unwrap();
+    let run = |words: &[&'static str]| {
+        let call = sandbox.protean(["run", "hello.toml"]);
+        let call = call.args(words.iter().copied());
+        call.set(&format!("processes.outside.params.domain={}", domain.id))
+    };
+    let refused = run(&["--out", "lock_step.mcap"]);
+    refused
+        .run()
+        .refused(1, &["expected a run with --real-time"]);
+    let refused = run(&["--out", "alone.mcap", "--real-time"]);
+    let refused = refused.set("processes.outside.params.start_timeout_s=1");
+    refused
+        .run()
+        .refused(1, &["no message in /robot/odom within 1 s"]);
+
+    let mut script = domain.script("ros2_robot.py");
+    let robot = RosNode(script.arg("100").spawn().unwrap());
+    let out = run(&["--out", "out.mcap", "--real-time", "--json"]).run();
+    // Whether a message is lost depends on the machine.
+    assert!(out.code.is_some_and(|code| code != 1 && code != 2), "{out}");
+    assert_eq!(out.json()["robots"][0]["outcome"], "escaped", "{out}");
+    drop(robot);
+
+    let mut script = domain.script("ros2_robot.py");
+    let robot = script.arg("1").stdout(Stdio::piped()).spawn().unwrap();
+    let stopped = run(&["--out", "stopped.mcap", "--real-time"]).set("rules.time_limit=25");
+    let stopped = stopped.run();
+    let robot = robot.wait_with_output().unwrap();
+    let robot: Json = serde_json::from_slice(&robot.stdout).unwrap();
+    assert_eq!(robot["stopped"], true, "{robot} {stopped}");
+    let history = History::read(&sandbox.path().join("stopped.mcap"));
+    let last = &history.states.last().unwrap().robots[0];
+    assert!(last.x < 1.6 && last.fail_safe, "{last:?}");
 }

@@ -14,6 +14,9 @@ use crate::robots::{Robot, check_name};
 use crate::spec::{Grouping, MAX_PERIOD, ProcessBlock, RunSpec};
 use runtime::declaration::WrittenDeclaration;
 
+/// Kind that a program may be built without.
+const OPTIONAL: &str = "ros2_bridge";
+
 /// A process as read, with its place for error messages.
 pub struct ProcessEntry {
     /// The process.
@@ -235,6 +238,9 @@ fn read_program<'k>(
                 let blank = ctx.problem(node, path, "kind", Code::UnknownName, message);
                 match renamed::present_name(kind) {
                     Some(present) => blank.help(format!("did you mean `{present}`?")),
+                    None if kind == OPTIONAL => blank.help(
+                        "this program is built without it; the Python wheel has it, and a program built with --features ros2",
+                    ),
                     None => suggest(blank, kind, &names, ""),
                 }
             }

@@ -7,6 +7,7 @@ fn process_kinds_are_known_or_the_nearest_is_suggested() {
     refused(
         &[
             ("kind = \"pursuer\"", "kind = \"persuer\""),
+            ("kind = \"pursuer\"", "kind = \"ros2_bridge\""),
             ("kind = \"pursuer\"", "kind = \"simulator\""),
             ("kind = \"pursuer\"", ""),
             (
