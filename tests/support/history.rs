@@ -8,9 +8,9 @@ use ipc_types::cdr;
 use ipc_types::messages::robot::WaypointEnd;
 use ipc_types::stamp::{Header as _, Stamp};
 use ipc_types::topics::{
-    Belief, Commands, Control, Coverage, Dominance, ObstacleEvents, Plan, Predictions,
-    ProcessEvents, ProcessLog, Scan, Sightings, Status, Topic, Tree, Verdicts, Waypoints,
-    WorldEvents, WorldMap, WorldShapes, WorldState,
+    Belief, Commands, Control, Coverage, Dominance, MeasuredPoses, ObstacleEvents, Plan,
+    Predictions, ProcessEvents, ProcessLog, Scan, Sightings, Status, Topic, Tree, Verdicts,
+    Waypoints, WorldEvents, WorldMap, WorldShapes, WorldState,
 };
 use mcap::sans_io::LinearReaderOptions;
 use serde::Deserialize;
@@ -203,6 +203,7 @@ impl History {
             Belief::NAME => self.belief(bytes)?,
             Commands::NAME => self.command(bytes)?,
             Coverage::NAME => stamp::<Coverage>(bytes)?,
+            MeasuredPoses::NAME => stamp::<MeasuredPoses>(bytes)?,
             Plan::NAME => stamp::<Plan>(bytes)?,
             Scan::NAME => stamp::<Scan>(bytes)?,
             Tree::NAME => stamp::<Tree>(bytes)?,

@@ -39,6 +39,13 @@ fn process_kinds_are_known_or_the_nearest_is_suggested() {
                = value: "persuer"
                = expected: one of `perception`, `pursuer`, `evader_braitenberg`, `evader_potential`, `ping`, `pong`, `optimiser`, `navigator`
                = help: did you mean `pursuer`?
+            error: unknown process kind `ros2_bridge`
+              --> small.toml:27:8 (processes.ros2_bridge.kind)
+               |
+            27 | kind = "ros2_bridge"
+               |        ^^^^^^^^^^^^^
+               = value: "ros2_bridge"
+               = help: this program is built without it; the Python wheel has it, and a program built with --features ros2
             error: the simulator always runs and is not listed
               --> small.toml:27:8 (processes.simulator.kind)
                |
