@@ -1,4 +1,4 @@
-//! The interface between this program and a library, declared once; [`crate::header`] writes it in C.
+//! The interface between this program and a library, declared once; a test writes it in C, as `protean_planner.h`.
 
 use core::ffi::{c_char, c_void};
 
@@ -24,20 +24,6 @@ pub const WAYS: u32 = 4;
 pub const LATER: u32 = 1;
 /// Bit of [`Topic::flags`]: one writer.
 pub const SOLE: u32 = 2;
-
-/// Flags by their names in the header and their bits.
-pub(crate) const FLAGS: [(&str, u32, &str); 2] = [
-    (
-        "PROTEAN_LATER",
-        LATER,
-        "the messages count in the next tick; readers do not wait for them",
-    ),
-    (
-        "PROTEAN_SOLE",
-        SOLE,
-        "only one process of a run may write the topic",
-    ),
-];
 
 /// Inputs by their names in the header and their bits.
 pub(crate) const INPUTS: [(&str, u32, &str); 3] = [
