@@ -1,8 +1,7 @@
 //! Reading one `[[processes]]` block.
 
-use config::{Code, FieldPath, Node, Origin, ReadFault, Step, describe, suggest};
+use config::{Code, FieldPath, Node, Origin, Step, describe, suggest};
 use runtime::declaration::Flow;
-use scenario_files::renamed;
 
 use super::files;
 use crate::context::Context;
@@ -234,10 +233,7 @@ fn read_program<'k>(
                 let names: Vec<&str> = ctx.kinds.iter().map(|k| k.name).collect();
                 let message = format!("unknown process kind `{kind}`");
                 let blank = ctx.problem(node, path, "kind", Code::UnknownName, message);
-                match renamed::present_name(kind) {
-                    Some(present) => blank.help(format!("did you mean `{present}`?")),
-                    None => suggest(blank, kind, &names, ""),
-                }
+                suggest(blank, kind, &names, "")
             }
         }
         (None, Some(command)) => match command.first() {
@@ -358,13 +354,7 @@ fn apply_preset(
 /// Reports every key of `params` that the kind cannot read.
 fn report_all(ctx: &mut Context<'_>, kind: &Kind, left: &mut Node, path: &FieldPath) {
     while let Err(ParamsProblem::Read(error)) = kind.read(left) {
-        let mut problem = describe(&ctx.sources, &error, path);
-        if let ReadFault::UnknownKey { key, .. } = &error.fault
-            && let Some(present) = renamed::present_name(key)
-        {
-            problem = problem.help(format!("did you mean `{present}`?"));
-        }
-        ctx.problems.push(problem);
+        ctx.problems.push(describe(&ctx.sources, &error, path));
         let Some(Step::Key(key)) = error.path.0.first() else {
             return;
         };
