@@ -148,7 +148,7 @@ impl<'a> Range<'a> {
 
 /// Numbers with or without a fraction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Kind {
+pub enum Kind {
     /// Without a fraction.
     Whole,
     /// With a fraction.
@@ -167,7 +167,7 @@ fn symmetric(min: &Value, max: &Value) -> Option<String> {
 }
 
 /// A number for display: 5 for 5.0, and π by its name.
-pub(crate) fn plain(number: &Value) -> String {
+pub fn plain(number: &Value) -> String {
     match (whole(number), number.as_f64()) {
         (_, Some(real)) if real < 0.0 => format!("-{}", plain(&Value::from(-real))),
         (None, Some(PI)) => "π".to_owned(),

@@ -26,14 +26,14 @@ pub const LATER: u32 = 1;
 pub const SOLE: u32 = 2;
 
 /// Inputs by their names in the header and their bits.
-pub(crate) const INPUTS: [(&str, u32, &str); 3] = [
+pub const INPUTS: [(&str, u32, &str); 3] = [
     ("PROTEAN_BELIEFS", BELIEFS, "beliefs about the opponents"),
     ("PROTEAN_SCANS", SCANS, "range scans of the own robot"),
     ("PROTEAN_WAYS", WAYS, "shortest ways: protean_way"),
 ];
 
 /// Values of [`Robot::side`] by their names in the header.
-pub(crate) const SIDES: [(&str, u8, &str); 3] = [
+pub const SIDES: [(&str, u8, &str); 3] = [
     ("PROTEAN_OTHER", 0, "neither team-mate nor opponent"),
     ("PROTEAN_TEAM", 1, "of the own team: the own robot, too"),
     ("PROTEAN_OPPONENT", 2, "of a hostile team"),

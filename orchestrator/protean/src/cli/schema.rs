@@ -12,7 +12,7 @@ const PLANNER: &str = include_str!("../../../../examples/cpp_planner/protean_pla
 
 /// Subject of a schema.
 #[derive(Debug, Clone, Copy, ValueEnum)]
-pub(super) enum SchemaOf {
+pub enum SchemaOf {
     /// Scenario files: JSON Schema, for editors
     Scenario,
     /// Experiment files: JSON Schema, for editors
@@ -24,7 +24,7 @@ pub(super) enum SchemaOf {
 }
 
 /// Prints a schema.
-pub(super) fn schema(kinds: &[Kind], subject: SchemaOf) -> ExitCode {
+pub fn schema(kinds: &[Kind], subject: SchemaOf) -> ExitCode {
     match subject {
         SchemaOf::Scenario => print_json(&scenario::schema::schema(kinds).to_value()),
         SchemaOf::Experiment => print_json(&sweep::schema::schema().to_value()),
