@@ -84,12 +84,12 @@ pub fn block(
     };
     if !driven.is_empty() && node.get("declaration").is_some() {
         let message = "a program with a `declaration` drives no robots";
-        let problem = ctx
-            .problem(node, path, "declaration", Code::Requirement, message)
-            .expected(
-                "no `declaration` of a program with robots; the run reads its inputs from it",
-            );
-        ctx.problems.push(problem);
+        ctx.problems.push(
+            ctx.problem(node, path, "declaration", Code::Requirement, message)
+                .expected(
+                    "no `declaration` of a program with robots; the run reads its inputs from it",
+                ),
+        );
         return;
     }
     let Some(supervision) = failure::read(ctx, node, path, &block, run) else {
@@ -149,10 +149,10 @@ fn read_period(
     } else {
         return Some(period);
     };
-    let problem = ctx
-        .problem(node, path, "period", Code::OutOfRange, message)
-        .expected(expected);
-    ctx.problems.push(problem);
+    ctx.problems.push(
+        ctx.problem(node, path, "period", Code::OutOfRange, message)
+            .expected(expected),
+    );
     None
 }
 
@@ -283,10 +283,10 @@ fn params_of(ctx: &mut Context<'_>, node: &Node, path: &FieldPath) -> Option<Nod
     let params = node.get("params").unwrap_or(&empty);
     if params.as_table().is_none() {
         let message = format!("wrong type: {}", params.type_name());
-        let problem = ctx
-            .problem(params, &path, "", Code::WrongType, message)
-            .expected("a table");
-        ctx.problems.push(problem);
+        ctx.problems.push(
+            ctx.problem(params, &path, "", Code::WrongType, message)
+                .expected("a table"),
+        );
         return None;
     }
     Some(params.clone())
@@ -316,8 +316,8 @@ fn read_params(
             }
         }
         Err(ParamsProblem::Write(message)) => {
-            let problem = ctx.problem(params, &path, "", Code::OutOfRange, message);
-            ctx.problems.push(problem);
+            ctx.problems
+                .push(ctx.problem(params, &path, "", Code::OutOfRange, message));
         }
     }
     None
@@ -375,16 +375,16 @@ fn read_robots(
 ) -> Option<Vec<usize>> {
     let named = block.robots.as_deref();
     if named.is_some() && block.team.is_some() {
-        let problem = ctx
-            .problem(
+        ctx.problems.push(
+            ctx.problem(
                 node,
                 path,
                 "team",
                 Code::Requirement,
                 "both `robots` and `team`",
             )
-            .expected("one of them");
-        ctx.problems.push(problem);
+            .expected("one of them"),
+        );
         return None;
     }
     let drives = kind.is_none_or(|kind| kind.declaration().drives_robots());
@@ -393,10 +393,10 @@ fn read_robots(
         if named.is_some() || block.team.is_some() {
             let kind = kind.map_or("", |k| k.name);
             let message = format!("a process of kind `{kind}` drives no robots");
-            let problem = ctx
-                .problem(node, path, gives, Code::Requirement, message)
-                .expected(format!("no `{gives}`"));
-            ctx.problems.push(problem);
+            ctx.problems.push(
+                ctx.problem(node, path, gives, Code::Requirement, message)
+                    .expected(format!("no `{gives}`")),
+            );
             return None;
         }
         return Some(Vec::new());
@@ -410,15 +410,15 @@ fn read_robots(
         (None, None) => Vec::new(),
     };
     if driven.is_empty() && kind.is_some() {
-        let problem = ctx
-            .block_problem(
+        ctx.problems.push(
+            ctx.block_problem(
                 node.origin,
                 path,
                 Code::Requirement,
                 "this process drives no robot",
             )
-            .expected("robots = [\"…\"] or team = \"…\"");
-        ctx.problems.push(problem);
+            .expected("robots = [\"…\"] or team = \"…\""),
+        );
         return None;
     }
     driven.sort_unstable();
@@ -439,8 +439,8 @@ fn named_robots(
         match robots.iter().position(|r| r.spec.name == *name) {
             Some(index) if driven.contains(&index) => {
                 let message = format!("robot `{name}` occurs twice in the list");
-                let problem = ctx.problem(node, path, &field, Code::Duplicate, message);
-                ctx.problems.push(problem);
+                ctx.problems
+                    .push(ctx.problem(node, path, &field, Code::Duplicate, message));
                 fine = false;
             }
             Some(index) => driven.push(index),
