@@ -68,8 +68,11 @@ fn case(kind: Kind, generator: &mut SchemaGenerator) -> Json {
     })
 }
 
+/// A part of a file that has a section of the reference: heading, and function that generates the schema.
+pub type Section = (&'static str, fn(&mut SchemaGenerator) -> Schema);
+
 /// Returns the parts of a scenario file that have a section of the reference: its heading, and the schema.
-pub fn sections() -> [(&'static str, fn(&mut SchemaGenerator) -> Schema); 19] {
+pub fn sections() -> [Section; 19] {
     [
         ("Top level", SchemaGenerator::subschema_for::<TopLevel>),
         ("`[run]`", SchemaGenerator::subschema_for::<RunSpec>),

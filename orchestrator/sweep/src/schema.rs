@@ -2,6 +2,7 @@
 //! reference.
 
 use parameters::{for_people, schema_generator};
+use scenario::schema::Section;
 use schemars::{Schema, SchemaGenerator};
 
 use super::columns::ResultTable;
@@ -19,7 +20,7 @@ pub fn schema() -> Schema {
 }
 
 /// Returns the parts of an experiment file that have a section of the reference: its heading, and the schema.
-pub fn sections() -> [(&'static str, fn(&mut SchemaGenerator) -> Schema); 7] {
+pub fn sections() -> [Section; 7] {
     [
         ("Top level", SchemaGenerator::subschema_for::<TopLevel>),
         ("`seeds`", SchemaGenerator::subschema_for::<SeedsSpec>),
