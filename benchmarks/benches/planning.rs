@@ -86,9 +86,9 @@ fn tries<M: Motion + Copy>(what: &str, scene: &Scene<'_>, motion: M, iterations:
             left -= some;
         }
         times.push(cpu_ms() - begin);
-        if search.progress().best.is_finite() {
+        if let Some(end) = search.way().last() {
             found += 1;
-            costs.push(search.progress().best);
+            costs.push(end.cost);
         }
     }
     times.sort_by(f64::total_cmp);
@@ -187,7 +187,7 @@ fn planning(criterion: &mut Criterion) {
         group.bench_function(name, |bencher| {
             bencher.iter(|| {
                 seed += 1;
-                black_box(plan(&scene, Straight, seed, 1500).progress())
+                black_box(plan(&scene, Straight, seed, 1500).way())
             });
         });
     }
@@ -196,7 +196,7 @@ fn planning(criterion: &mut Criterion) {
     group.bench_function("paper_arcs", |bencher| {
         bencher.iter(|| {
             seed += 1;
-            black_box(plan(&scene, arcs(0.9), seed, 1500).progress())
+            black_box(plan(&scene, arcs(0.9), seed, 1500).way())
         });
     });
     group.finish();

@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 use std::time::Duration;
 
+use crate::spread::Spread;
 use runtime::lockstep::Phase;
 use serde_json::Value as Json;
-use statistics::Spread;
 
 use super::probe;
 use super::report::{Figure, Goal};

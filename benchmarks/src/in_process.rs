@@ -4,11 +4,11 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use crate::spread::{Spread, paired_ratio};
 use kinds::load;
 use mission::in_process::{self, Cache, InProcessOptions};
 use rustix::time::{ClockId, clock_gettime};
 use scenario::ResolvedScenario;
-use statistics::{Spread, paired_ratio};
 
 use super::report::{Figure, Goal};
 use super::session::{Session, number};

@@ -19,6 +19,7 @@ mod links;
 mod probe;
 mod report;
 mod session;
+mod spread;
 mod start;
 mod ticks;
 

@@ -1,9 +1,9 @@
 //! The figures, as a table and as JSON.
 
+use crate::spread::Spread;
 use latency::load;
 use platform::machine::machine;
 use serde_json::{Value as Json, json};
-use statistics::Spread;
 
 /// Baseline of a figure.
 #[derive(Debug, Clone, PartialEq)]

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
+use crate::spread::Spread;
 use runtime::lockstep::Phase;
-use statistics::Spread;
 
 use super::probe;
 use super::report::{Figure, Goal};

@@ -9,10 +9,10 @@ use iceoryx2::service::attribute::{AttributeKey, AttributeValue};
 use crate::error::BusError;
 
 /// Name of the attribute.
-pub(crate) const ATTRIBUTE: &str = "protean.schema";
+pub const ATTRIBUTE: &str = "protean.schema";
 
 /// The attribute for the creator of the service of a topic.
-pub(crate) fn define(topic: &'static str, schema: &str) -> Result<AttributeSpecifier, BusError> {
+pub fn define(topic: &'static str, schema: &str) -> Result<AttributeSpecifier, BusError> {
     let failed = |reason: &dyn Debug| BusError::Create {
         topic,
         reason: format!("{reason:?}"),
@@ -23,7 +23,7 @@ pub(crate) fn define(topic: &'static str, schema: &str) -> Result<AttributeSpeci
 }
 
 /// The required attribute for opening the service of a topic.
-pub(crate) fn require(topic: &'static str, schema: &str) -> Result<AttributeVerifier, BusError> {
+pub fn require(topic: &'static str, schema: &str) -> Result<AttributeVerifier, BusError> {
     let failed = |reason: &dyn Debug| BusError::Open {
         topic,
         reason: format!("{reason:?}"),

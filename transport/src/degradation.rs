@@ -11,7 +11,7 @@ use crate::error::BusError;
 /// established (for example with too many open files), and the messages over it are lost. While a port is created it
 /// does so in any case.
 #[derive(Default)]
-pub(crate) struct Failures(Arc<AtomicBool>);
+pub struct Failures(Arc<AtomicBool>);
 
 impl Failures {
     /// Returns the reaction of a port to a connection that fails: sending or receiving fails, too.

@@ -56,7 +56,7 @@ struct Port<H: Header, E: Message> {
     patience: Duration,
 }
 
-pub(crate) fn open<H: Header, E: Message>(
+pub fn open<H: Header, E: Message>(
     node: &Node<ipc::Service>,
     agreed: &TopicIdentity<'_>,
     options: SenderOptions,
@@ -73,7 +73,7 @@ pub(crate) fn open<H: Header, E: Message>(
 }
 
 /// Applies options to a publisher to be created.
-pub(crate) fn configured<'f, P, H>(
+pub fn configured<'f, P, H>(
     builder: PortFactoryPublisher<'f, ipc::Service, [P], H>,
     options: &SenderOptions,
     failures: &Failures,
@@ -155,7 +155,7 @@ impl<H: Header, E: Message> Sender<H, E> for Port<H, E> {
 }
 
 /// Converts the error of a message that was not sent.
-pub(crate) fn undelivered(
+pub fn undelivered(
     topic: &'static str,
     waited: Duration,
     error: iceoryx2::port::SendError,

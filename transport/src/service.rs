@@ -84,14 +84,14 @@ impl core::fmt::Debug for TopicHolder {
     }
 }
 
-pub(crate) fn service_name(topic: &'static str) -> Result<ServiceName, BusError> {
+pub fn service_name(topic: &'static str) -> Result<ServiceName, BusError> {
     topic.try_into().map_err(|e| BusError::Open {
         topic,
         reason: format!("{e:?}"),
     })
 }
 
-pub(crate) fn create<H: Header, E: Message>(
+pub fn create<H: Header, E: Message>(
     node: &Node<ipc::Service>,
     agreed: &TopicIdentity<'_>,
     limits: &Limits,
@@ -108,10 +108,7 @@ pub(crate) fn create<H: Header, E: Message>(
 }
 
 /// Holds a created service.
-pub(crate) fn held<P, H>(
-    topic: &'static str,
-    service: PortFactory<ipc::Service, P, H>,
-) -> TopicHolder
+pub fn held<P, H>(topic: &'static str, service: PortFactory<ipc::Service, P, H>) -> TopicHolder
 where
     P: IceoryxSend + core::fmt::Debug + ?Sized + 'static,
     H: core::fmt::Debug + ZeroCopySend + 'static,
@@ -122,7 +119,7 @@ where
 }
 
 /// Applies the limits of a topic to a service to be created.
-pub(crate) fn limited<P, H>(
+pub fn limited<P, H>(
     builder: Builder<P, H, ipc::Service>,
     limits: &Limits,
 ) -> Builder<P, H, ipc::Service>
@@ -142,7 +139,7 @@ where
         .enable_safe_overflow(limits.overflow)
 }
 
-pub(crate) fn open<H: Header, E: Message>(
+pub fn open<H: Header, E: Message>(
     node: &Node<ipc::Service>,
     agreed: &TopicIdentity<'_>,
 ) -> Result<PortFactory<ipc::Service, [E], H>, BusError> {
@@ -156,7 +153,7 @@ pub(crate) fn open<H: Header, E: Message>(
 }
 
 /// Describes why a service was not opened with these types.
-pub(crate) fn refused(
+pub fn refused(
     node: &Node<ipc::Service>,
     agreed: &TopicIdentity<'_>,
     error: PublishSubscribeOpenError,

@@ -60,7 +60,7 @@ struct Port<H: Header, E: Message> {
     inner: iceoryx2::port::subscriber::Subscriber<ipc::Service, [E], H>,
 }
 
-pub(crate) fn open<H: Header, E: Message>(
+pub fn open<H: Header, E: Message>(
     node: &Node<ipc::Service>,
     agreed: &TopicIdentity<'_>,
     buffer: usize,

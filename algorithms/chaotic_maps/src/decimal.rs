@@ -11,7 +11,7 @@ const MAX_DIGITS: usize = 19;
 /// # Errors
 /// [`KeyError::Decimal`] for any text but `0.` and digits, [`KeyError::TooManyDigits`] for more
 /// than 19 digits.
-pub(crate) fn decimal_state(text: &str) -> Result<u64, KeyError> {
+pub fn decimal_state(text: &str) -> Result<u64, KeyError> {
     let digits = text
         .strip_prefix("0.")
         .filter(|digits| !digits.is_empty() && digits.bytes().all(|b| b.is_ascii_digit()))

@@ -4,7 +4,7 @@ use parameters::ParamsError;
 use thiserror::Error;
 
 /// The names of all kinds, for messages.
-pub(crate) const KINDS: &str = "catp, cat64, catf64, chebp, chebp-raw, chebf64, chebf64-raw, \
+pub const KINDS: &str = "catp, cat64, catf64, chebp, chebp-raw, chebf64, chebf64-raw, \
     logistic, logistic-raw, standard, keyed";
 
 /// Reason why a key is invalid, with the remedy.

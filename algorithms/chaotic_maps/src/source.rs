@@ -15,6 +15,6 @@ pub trait Source {
 }
 
 /// A point of [−1, 1]² as one of [0, 1]².
-pub(crate) fn symmetric_to_unit(point: [f64; 2]) -> [f64; 2] {
+pub fn symmetric_to_unit(point: [f64; 2]) -> [f64; 2] {
     point.map(|c| 0.5 * (c + 1.0))
 }

@@ -8,7 +8,7 @@ use crate::goal::Goal;
 
 /// Numbers sub-goals through a run, and counts rounds.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Counter {
+pub struct Counter {
     next: u64,
     round: u32,
 }

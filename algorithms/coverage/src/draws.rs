@@ -4,7 +4,7 @@ use chaotic_maps::{KeyedStream, Source};
 
 /// Uniform numbers in [0, 1) from the `ChaCha20` stream of a key, one after the other.
 #[derive(Debug, Clone)]
-pub(crate) struct Draws {
+pub struct Draws {
     stream: KeyedStream,
     /// Second coordinate of the last point.
     spare: Option<f64>,
@@ -38,6 +38,6 @@ impl Draws {
 }
 
 /// The index of the part, of `count` equal parts of [0, 1), that contains a number.
-pub(crate) fn part(unit: f64, count: usize) -> usize {
+pub fn part(unit: f64, count: usize) -> usize {
     ((unit * count as f64) as usize).min(count.saturating_sub(1))
 }

@@ -4,7 +4,7 @@ use geometry::math;
 use geometry::pose::Pose2;
 
 /// Turns (rad) and lengths (m) below this are left out.
-pub(crate) const NOTHING: f64 = 1e-9;
+pub const NOTHING: f64 = 1e-9;
 
 /// A motion of the robot.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,7 +1,7 @@
 //! Broadcasting of shapes, as in ONNX.
 
 /// Returns the shape of the result of two operands, if they fit.
-pub(crate) fn shape(left: &[usize], right: &[usize]) -> Option<Vec<usize>> {
+pub fn shape(left: &[usize], right: &[usize]) -> Option<Vec<usize>> {
     let rank = left.len().max(right.len());
     (0..rank)
         .map(
@@ -15,7 +15,7 @@ pub(crate) fn shape(left: &[usize], right: &[usize]) -> Option<Vec<usize>> {
 }
 
 /// Returns, for each element of the result, the index of the element of an operand; `None` if they are the same.
-pub(crate) fn indices(operand: &[usize], result: &[usize]) -> Option<Vec<u32>> {
+pub fn indices(operand: &[usize], result: &[usize]) -> Option<Vec<u32>> {
     let count: usize = result.iter().product();
     if operand.iter().product::<usize>() == count {
         return None;

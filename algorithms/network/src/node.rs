@@ -7,14 +7,14 @@ use crate::proto::{Attribute, NodeProto};
 const MAX_SHOWN: usize = 80;
 
 /// Returns a name from a file for an error: without control characters, and not too long.
-pub(crate) fn shown(name: &str) -> String {
+pub fn shown(name: &str) -> String {
     let characters = name.chars().take(MAX_SHOWN);
     characters.flat_map(char::escape_debug).collect()
 }
 
 /// A node, for reading with errors that name it.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Node<'a>(pub(crate) &'a NodeProto);
+pub struct Node<'a>(pub(crate) &'a NodeProto);
 
 impl<'a> Node<'a> {
     /// Its name, or that of its output.

@@ -4,7 +4,7 @@ use prost::Message;
 
 /// A file.
 #[derive(Clone, PartialEq, Message)]
-pub(crate) struct Model {
+pub struct Model {
     #[prost(message, optional, tag = "7")]
     pub(crate) graph: Option<Graph>,
     #[prost(message, repeated, tag = "8")]
@@ -13,7 +13,7 @@ pub(crate) struct Model {
 
 /// A version of a set of operators.
 #[derive(Clone, PartialEq, Message)]
-pub(crate) struct OperatorSet {
+pub struct OperatorSet {
     #[prost(string, tag = "1")]
     pub(crate) domain: String,
     #[prost(int64, tag = "2")]
@@ -22,7 +22,7 @@ pub(crate) struct OperatorSet {
 
 /// A graph of operations.
 #[derive(Clone, PartialEq, Message)]
-pub(crate) struct Graph {
+pub struct Graph {
     #[prost(message, repeated, tag = "1")]
     pub(crate) node: Vec<NodeProto>,
     #[prost(message, repeated, tag = "5")]
@@ -35,7 +35,7 @@ pub(crate) struct Graph {
 
 /// An operation.
 #[derive(Clone, PartialEq, Message)]
-pub(crate) struct NodeProto {
+pub struct NodeProto {
     #[prost(string, repeated, tag = "1")]
     pub(crate) input: Vec<String>,
     #[prost(string, repeated, tag = "2")]
@@ -52,7 +52,7 @@ pub(crate) struct NodeProto {
 
 /// A named attribute of an operation.
 #[derive(Clone, PartialEq, Message)]
-pub(crate) struct Attribute {
+pub struct Attribute {
     #[prost(string, tag = "1")]
     pub(crate) name: String,
     #[prost(float, optional, tag = "2")]
@@ -69,7 +69,7 @@ pub(crate) struct Attribute {
 
 /// A constant.
 #[derive(Clone, PartialEq, Message)]
-pub(crate) struct TensorProto {
+pub struct TensorProto {
     #[prost(int64, repeated, tag = "1")]
     pub(crate) dims: Vec<i64>,
     #[prost(int32, tag = "2")]
@@ -89,7 +89,7 @@ pub(crate) struct TensorProto {
 
 /// Name and type of an input or output.
 #[derive(Clone, PartialEq, Message)]
-pub(crate) struct ValueInfo {
+pub struct ValueInfo {
     #[prost(string, tag = "1")]
     pub(crate) name: String,
     #[prost(message, optional, tag = "2")]
@@ -98,14 +98,14 @@ pub(crate) struct ValueInfo {
 
 /// A type.
 #[derive(Clone, PartialEq, Message)]
-pub(crate) struct Type {
+pub struct Type {
     #[prost(message, optional, tag = "1")]
     pub(crate) tensor: Option<TensorType>,
 }
 
 /// Type of a tensor.
 #[derive(Clone, PartialEq, Message)]
-pub(crate) struct TensorType {
+pub struct TensorType {
     #[prost(int32, tag = "1")]
     pub(crate) elem_type: i32,
     #[prost(message, optional, tag = "2")]
@@ -114,14 +114,14 @@ pub(crate) struct TensorType {
 
 /// Shape of a tensor.
 #[derive(Clone, PartialEq, Message)]
-pub(crate) struct Shape {
+pub struct Shape {
     #[prost(message, repeated, tag = "1")]
     pub(crate) dim: Vec<Dimension>,
 }
 
 /// A dimension: a number, or a name such as `batch`.
 #[derive(Clone, PartialEq, Message)]
-pub(crate) struct Dimension {
+pub struct Dimension {
     #[prost(int64, optional, tag = "1")]
     pub(crate) value: Option<i64>,
 }

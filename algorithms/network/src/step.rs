@@ -4,7 +4,7 @@ use geometry::math;
 
 /// Operation on two operands, element by element.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Binary {
+pub enum Binary {
     Add,
     Sub,
     Mul,
@@ -13,7 +13,7 @@ pub(crate) enum Binary {
 
 /// Function of one operand, element by element.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Unary {
+pub enum Unary {
     Identity,
     Relu,
     Tanh,
@@ -25,7 +25,7 @@ pub(crate) enum Unary {
 
 /// Computation of one value from others.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Operation {
+pub enum Operation {
     /// Product of a matrix with rows of length `inner` and one of `inner` rows of length `columns`.
     Product { inner: usize, columns: usize },
     /// Operation on two operands; the indices of their elements for each element of the result, if they differ.
@@ -42,7 +42,7 @@ pub(crate) enum Operation {
 
 /// One step: an operation, its operands and its result, by their places among the values.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Step {
+pub struct Step {
     pub(crate) operation: Operation,
     pub(crate) operands: Vec<usize>,
     pub(crate) result: usize,

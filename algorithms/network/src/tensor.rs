@@ -6,7 +6,7 @@ use crate::proto::TensorProto;
 use crate::{MAX_RANK, MAX_VALUES};
 
 /// Number of the element type `float` in a file.
-pub(crate) const FLOAT: i32 = 1;
+pub const FLOAT: i32 = 1;
 /// Number of the element type `int64` in a file.
 const INT64: i32 = 7;
 /// Value of `data_location` for data in another file.
@@ -14,7 +14,7 @@ const EXTERNAL: i32 = 1;
 
 /// Elements of a constant.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Elements {
+pub enum Elements {
     /// Weights and bounds.
     Floats(Vec<f32>),
     /// Shapes.
@@ -23,13 +23,13 @@ pub(crate) enum Elements {
 
 /// A constant.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Tensor {
+pub struct Tensor {
     pub(crate) shape: Vec<usize>,
     pub(crate) elements: Elements,
 }
 
 /// Returns the number of elements of a shape; `None` if its rank or size is beyond the limits.
-pub(crate) fn size(shape: &[usize]) -> Option<usize> {
+pub fn size(shape: &[usize]) -> Option<usize> {
     let count = shape
         .iter()
         .try_fold(1_usize, |count, &dim| count.checked_mul(dim))?;
@@ -40,7 +40,7 @@ pub(crate) fn size(shape: &[usize]) -> Option<usize> {
 ///
 /// # Errors
 /// [`NetworkError::Constant`] names the constant.
-pub(crate) fn read(proto: &TensorProto, name: &str) -> Result<Tensor, NetworkError> {
+pub fn read(proto: &TensorProto, name: &str) -> Result<Tensor, NetworkError> {
     let refused = |found: String, expected: &str| NetworkError::Constant {
         name: shown(name),
         found,

@@ -8,7 +8,7 @@ use crate::riccati::{BOTH, End, Point, STATES, State};
 use crate::variables::{OMEGA, Q, TIME};
 
 /// Weight of the conditions of the last state in the augmented Lagrangian.
-pub(super) const END_WEIGHT: f64 = 1e4;
+pub const END_WEIGHT: f64 = 1e4;
 /// Cost of the turning rate's square, in units of its limit's, relative to that of time: it selects
 /// the smoothest of the fastest motions, and costs less than half this share of the duration.
 const TURNING_COST: f64 = 2e-4;

@@ -6,7 +6,7 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 
 /// The keyword that holds the unit of a number.
-pub(crate) const UNIT: &str = "x-unit";
+pub const UNIT: &str = "x-unit";
 
 /// Range and unit of a number, or of each number of a list.
 ///

@@ -38,8 +38,8 @@
 //!
 //! [`fn@check`] and [`faults`] compare every value with its range, in the order of declaration; only relations
 //! between fields are checked by code ([`Parameters::check_relations`]). [`unusual`] finds numbers that are accepted and
-//! probably in another unit. [`Reference`] writes the same
-//! declarations as tables in Markdown, [`schema_generator`] for editors.
+//! probably in another unit. [`schema_generator`] writes the same
+//! declarations for editors.
 
 mod bounds;
 mod check;
@@ -47,12 +47,11 @@ mod error;
 mod fidelity;
 mod publish;
 mod range;
-mod reference;
 mod schema;
 
 pub use bounds::{Bounds, above, at_least, between, each, unit};
 pub use check::{Parameters, Unusual, check, faults, unusual};
 pub use error::{Fault, ParamsError, not_negative, positive, require, within};
 pub use fidelity::Fidelity;
-pub use publish::{for_people, schema_generator};
-pub use reference::Reference;
+pub use publish::{for_people, plain_text, schema_generator};
+pub use range::Range;

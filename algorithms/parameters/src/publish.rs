@@ -51,7 +51,7 @@ fn number(name: &str) -> Option<Kind> {
 }
 
 /// The first paragraph of a doc comment on one line, with links replaced by their text.
-pub(crate) fn plain_text(doc: &str) -> String {
+pub fn plain_text(doc: &str) -> String {
     let paragraph = doc.split("\n\n").next().unwrap_or_default();
     let line = paragraph.split_whitespace().collect::<Vec<_>>().join(" ");
     let mut text = String::new();

@@ -7,12 +7,12 @@ use serde_json::{Map, Value};
 
 use crate::bounds::UNIT;
 
-/// The range of one schema.
-pub(crate) struct Range<'a>(pub &'a Map<String, Value>);
+/// The values that one schema accepts.
+pub struct Range<'a>(pub &'a Map<String, Value>);
 
 impl<'a> Range<'a> {
     /// Returns `true` if a number is inside.
-    pub fn contains(&self, number: &Data) -> bool {
+    pub(crate) fn contains(&self, number: &Data) -> bool {
         let holds =
             |keyword: &str, compare: fn(f64, f64) -> bool, exact: fn(i128, i128) -> bool| {
                 let Some(bound) = self.0.get(keyword) else {
@@ -42,7 +42,7 @@ impl<'a> Range<'a> {
     }
 
     /// Returns `true` if a list may have this many elements.
-    pub fn contains_length(&self, length: usize) -> bool {
+    pub(crate) fn contains_length(&self, length: usize) -> bool {
         let bound = |keyword: &str| self.0.get(keyword).and_then(Value::as_u64);
         bound("minItems").is_none_or(|min| length as u64 >= min)
             && bound("maxItems").is_none_or(|max| length as u64 <= max)
@@ -55,7 +55,7 @@ impl<'a> Range<'a> {
 
     /// The usual maximum magnitude of an angle without a declared one, or of a rate of angles: a direction is within a
     /// full turn, a deviation within half of one.
-    pub fn usual_angle(&self) -> Option<f64> {
+    pub(crate) fn usual_angle(&self) -> Option<f64> {
         let has =
             |keywords: [&str; 2]| keywords.iter().any(|&keyword| self.0.contains_key(keyword));
         match self.unit()? {
@@ -68,7 +68,7 @@ impl<'a> Range<'a> {
     }
 
     /// The accepted numbers in words, with their unit.
-    pub fn numbers(&self, kind: Kind) -> String {
+    pub(crate) fn numbers(&self, kind: Kind) -> String {
         let get = |keyword: &str| self.0.get(keyword).map(plain);
         let lower = match (get("exclusiveMinimum"), get("minimum")) {
             (Some(min), _) => Some(format!("above {min}")),
@@ -148,7 +148,7 @@ impl<'a> Range<'a> {
 
 /// Numbers with or without a fraction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Kind {
+pub enum Kind {
     /// Without a fraction.
     Whole,
     /// With a fraction.
@@ -167,7 +167,7 @@ fn symmetric(min: &Value, max: &Value) -> Option<String> {
 }
 
 /// A number for display: 5 for 5.0, and π by its name.
-pub(crate) fn plain(number: &Value) -> String {
+pub fn plain(number: &Value) -> String {
     match (whole(number), number.as_f64()) {
         (_, Some(real)) if real < 0.0 => format!("-{}", plain(&Value::from(-real))),
         (None, Some(PI)) => "π".to_owned(),

@@ -9,7 +9,7 @@ use schemars::generate::SchemaSettings;
 use serde_json::Value;
 
 /// The schema of a type in one piece, without references.
-pub(crate) fn inline<P: JsonSchema + 'static>() -> &'static Value {
+pub fn inline<P: JsonSchema + 'static>() -> &'static Value {
     static MADE: OnceLock<Mutex<BTreeMap<TypeId, &'static Value>>> = OnceLock::new();
     let made = MADE.get_or_init(Mutex::default);
     // The map is complete whenever the lock is free: a schema enters it after its generation.

@@ -2,7 +2,7 @@
 
 /// Returns the column of each row so that the sum of the costs is least (Hungarian method); `None` if there are fewer
 /// columns than rows, or only infinite sums.
-pub(super) fn assign(
+pub fn assign(
     rows: usize,
     columns: usize,
     cost: impl Fn(usize, usize) -> f64,

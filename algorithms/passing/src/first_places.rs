@@ -32,7 +32,7 @@ const ATTEMPTS: usize = 64;
 
 /// Returns the first place of each robot, and the robots with their ways to it (m) in an order in which none is in
 /// the way of another.
-pub(super) fn first_places(
+pub fn first_places(
     places: &Places,
     ways: &[ShortestPaths],
     spacing: &Spacing,

@@ -22,7 +22,7 @@ const NONE: usize = usize::MAX;
 
 /// Points at most one to a cell, and the straight ways between neighbours.
 #[derive(Debug, Clone)]
-pub(super) struct Lattice {
+pub struct Lattice {
     frame: GridFrame,
     /// Index of each cell's point.
     index: Vec<usize>,
@@ -34,7 +34,7 @@ pub(super) struct Lattice {
 }
 
 /// Shortest ways from one place.
-pub(super) struct ShortestPaths {
+pub struct ShortestPaths {
     /// Length to each point (m).
     pub lengths: Vec<f64>,
     before: Vec<usize>,

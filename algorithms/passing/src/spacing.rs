@@ -23,7 +23,7 @@ impl Spacing {
 }
 
 /// Distance (m) of a point from the segment from `a` to `b`.
-pub(super) fn to_segment(p: Point2<f64>, a: Point2<f64>, b: Point2<f64>) -> f64 {
+pub fn to_segment(p: Point2<f64>, a: Point2<f64>, b: Point2<f64>) -> f64 {
     let (way, off) = (b - a, p - a);
     let length = way.norm_squared();
     let part = if length > 0.0 {

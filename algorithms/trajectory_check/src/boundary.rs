@@ -9,7 +9,7 @@ use crate::tolerances::Tolerances;
 use crate::violation::{Excess, Violation};
 
 /// Checks the first and the last sample against the contract.
-pub(crate) fn check(
+pub fn check(
     contract: &Contract,
     [first, last]: [&Sample; 2],
     tolerances: &Tolerances,

@@ -34,7 +34,7 @@ impl Least {
 
 /// A piece with the end of its chord.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Span {
+pub struct Span {
     /// Time of the start (s).
     pub time: f64,
     /// The motion from there.
@@ -47,7 +47,7 @@ pub(crate) struct Span {
 
 /// The closest approach to the obstacles and the bounds of a contract.
 #[derive(Debug)]
-pub(crate) struct Clearance {
+pub struct Clearance {
     /// Discs around the obstacles, in a list of their own: they nearly always suffice for the test.
     around: Vec<EnclosingDisc>,
     obstacles: Vec<GrownObstacle>,

@@ -7,7 +7,7 @@ use crate::violation::{Excess, Violation};
 
 /// Violations found so far, at most one of each kind.
 #[derive(Debug, Default)]
-pub(crate) struct Findings {
+pub struct Findings {
     worst: Vec<(f64, Violation)>,
 }
 
@@ -79,7 +79,7 @@ impl Findings {
 
 /// Change of a value in a time.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Change {
+pub struct Change {
     pub amount: f64,
     pub dt: f64,
     pub rounding: f64,

@@ -8,7 +8,7 @@ use crate::violation::Violation;
 
 /// Checks speeds and accelerations, and stores the maximum speeds.
 #[derive(Debug)]
-pub(crate) struct Limits<'a> {
+pub struct Limits<'a> {
     contract: &'a Contract,
     tolerances: &'a Tolerances,
     /// Maximum speed, stated or implied (m/s).

@@ -13,7 +13,7 @@ use crate::violation::Violation;
 
 /// Walks along a trajectory and checks each step.
 #[derive(Debug)]
-pub(crate) struct Walk<'a> {
+pub struct Walk<'a> {
     contract: &'a Contract,
     tolerances: &'a Tolerances,
     /// The limits of the drive, and the maximum speeds so far.
@@ -30,7 +30,7 @@ pub(crate) struct Walk<'a> {
 
 /// Sums over a walk.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Figures {
+pub struct Figures {
     /// Length of the path (m).
     pub length: f64,
     /// Maximum distance of a sample from the position that follows from the controls alone since

@@ -23,7 +23,7 @@ const GAUSS: [(f64, f64); 3] = [
 
 /// A unicycle whose speed and turning rate change linearly in time.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Piece {
+pub struct Piece {
     /// Position at the start (m).
     pub start: Point2<f64>,
     /// Heading at the start (rad).
@@ -159,7 +159,7 @@ impl Piece {
 }
 
 /// A vector (of any unit) rotated counter-clockwise by an angle (rad).
-pub(crate) fn rotated(vector: Vector2<f64>, angle: f64) -> Vector2<f64> {
+pub fn rotated(vector: Vector2<f64>, angle: f64) -> Vector2<f64> {
     let (sin, cos) = libm::sincos(angle);
     Vector2::new(
         cos * vector.x - sin * vector.y,

@@ -17,7 +17,7 @@ struct Edge {
 
 /// A convex polygon, prepared for distances.
 #[derive(Debug, Clone)]
-pub(crate) struct ConvexPolygon {
+pub struct ConvexPolygon {
     edges: Vec<Edge>,
 }
 
@@ -119,12 +119,12 @@ struct Line {
 }
 
 /// The segment between two points (m).
-pub(crate) fn segment(a: Point2<f64>, b: Point2<f64>) -> Segment {
+pub fn segment(a: Point2<f64>, b: Point2<f64>) -> Segment {
     Segment::new(Vector::new(a.x, a.y), Vector::new(b.x, b.y))
 }
 
 /// Distance (m) from a segment to a point.
-pub(crate) fn to_point(segment: &Segment, point: Vector) -> f64 {
+pub fn to_point(segment: &Segment, point: Vector) -> f64 {
     let nearest = segment.project_local_point(point, true).point;
     (point - nearest).length()
 }

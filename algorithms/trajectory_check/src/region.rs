@@ -8,7 +8,7 @@ use crate::polygon::{ConvexPolygon, segment, to_point};
 
 /// A disc around a grown obstacle.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct EnclosingDisc {
+pub struct EnclosingDisc {
     center: Point2<f64>,
     radius: f64,
 }
@@ -24,7 +24,7 @@ impl EnclosingDisc {
 
 /// An obstacle grown by the clearance.
 #[derive(Debug, Clone)]
-pub(crate) struct GrownObstacle {
+pub struct GrownObstacle {
     shape: Shape,
     clearance: f64,
 }
@@ -76,11 +76,7 @@ impl GrownObstacle {
 
 /// Distance (m) of the segment `a`–`b` from the border of the box `[x_min, y_min, x_max, y_max]` inside it;
 /// below 0 if it leaves the box. (A box is convex: an end is the farthest out.)
-pub(crate) fn inside_box(
-    [x_min, y_min, x_max, y_max]: [f64; 4],
-    a: Point2<f64>,
-    b: Point2<f64>,
-) -> f64 {
+pub fn inside_box([x_min, y_min, x_max, y_max]: [f64; 4], a: Point2<f64>, b: Point2<f64>) -> f64 {
     [a, b]
         .iter()
         .flat_map(|p| [p.x - x_min, x_max - p.x, p.y - y_min, y_max - p.y])

@@ -41,7 +41,7 @@ impl Sample {
 }
 
 /// An angle (rad) without its full turns, in [−π, π].
-pub(crate) fn wrapped(angle: f64) -> f64 {
+pub fn wrapped(angle: f64) -> f64 {
     angle - TAU * (angle / TAU).round()
 }
 

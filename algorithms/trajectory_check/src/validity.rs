@@ -22,7 +22,7 @@ fn usable(value: f64) -> bool {
 }
 
 /// Records the first error of the contract, and the first of the samples.
-pub(crate) fn check(contract: &Contract, samples: &[Sample], findings: &mut Findings) {
+pub fn check(contract: &Contract, samples: &[Sample], findings: &mut Findings) {
     if let Some(fault) = contract_fault(contract) {
         findings.fault(fault);
     }

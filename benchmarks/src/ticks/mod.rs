@@ -14,6 +14,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use crate::link::pin;
+use crate::spread::{Spread, paired_ratio};
 use geometry::pose::Pose2;
 use ipc_types::bus::{Bus, Publisher, PublisherOptions, Subscriber, TopicHolder};
 use ipc_types::messages::robot::Command;
@@ -31,7 +32,6 @@ use runtime::inputs::{StateInput, reply_stamp};
 use runtime::lockstep::{BarrierLeader, BarrierMonitor, Phase, SlotState, TickBarrier, TickEnd};
 use runtime::{Process, ProcessError, ProcessKind};
 use serde::Serialize;
-use statistics::{Spread, paired_ratio};
 
 pub use self::raw::planner as raw_planner;
 use self::raw::{PLANNERS, RawConfig, RawLeader};

@@ -13,7 +13,7 @@ use crate::topics::{Topic, TopicId};
 use crate::transport::TopicHolder;
 
 /// Operations of a topic.
-pub(super) trait AnyPorts: Sync {
+pub trait AnyPorts: Sync {
     /// As [`Bus::create`].
     fn create(&self, bus: &Bus) -> Result<TopicHolder, BusError>;
     /// Opens it for reading with a buffer for this many ticks.

@@ -40,7 +40,7 @@ impl Source<OwnedMessage> for Port {
 }
 
 /// A subscriber whose messages arrive as the inbox of its process says.
-pub(super) struct AnyQueue {
+pub struct AnyQueue {
     topic: TopicId,
     queue: Rc<Queue<OwnedMessage>>,
 }

@@ -58,7 +58,7 @@ impl Inbox {
 }
 
 /// The messages of one topic on the bus, with their stamps.
-pub(super) trait Source<M> {
+pub trait Source<M> {
     /// Returns the next message, which may be kept.
     fn next(&self) -> Result<Option<(Stamp, M)>, ReceiveError>;
 
@@ -73,7 +73,7 @@ trait Collect {
 }
 
 /// The messages at one input, by arrival, then by stamp.
-pub(super) struct Queue<M> {
+pub struct Queue<M> {
     topic: &'static str,
     source: Box<dyn Source<M>>,
     inbox: Rc<Inbox>,

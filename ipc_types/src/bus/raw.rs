@@ -31,7 +31,7 @@ fn format(facts: &'static TopicFacts) -> RawFormat {
 }
 
 /// A topic that is declared while the program runs.
-pub(super) struct RawTopic {
+pub struct RawTopic {
     facts: &'static TopicFacts,
     schema: String,
 }

@@ -9,7 +9,7 @@ use recorder::RunInfo;
 ///
 /// All messages before that tick are equal. In it, a process has received the messages of the orchestrator, of the
 /// simulator, and of the processes that it waits for; other messages of the tick count from the next one on.
-pub(crate) fn causes(run: &RunInfo, differing: &BTreeSet<String>) -> BTreeSet<String> {
+pub fn causes(run: &RunInfo, differing: &BTreeSet<String>) -> BTreeSet<String> {
     let name = |index: u32| {
         let mut processes = run.processes.iter();
         processes.find(|process| process.index == index)

@@ -41,7 +41,7 @@ impl Deviation {
 }
 
 /// Adds the differences of two messages to the deviations by field; ignores elements that only one message has.
-pub(crate) fn add_deviations(a: &Message, b: &Message, fields: &mut BTreeMap<String, Deviation>) {
+pub fn add_deviations(a: &Message, b: &Message, fields: &mut BTreeMap<String, Deviation>) {
     // A message that does not fit its definition has no fields, but still counts as different.
     for (name, x, y) in common(a, b).unwrap_or_default() {
         if !matches!(x, Cell::Text(_)) && !x.is_same(&y) {

@@ -29,7 +29,7 @@ pub struct EventChange {
 }
 
 /// Returns the keys of two scenarios in TOML that differ.
-pub(crate) fn scenario_changes(a: &str, b: &str) -> Vec<ValueChange> {
+pub fn scenario_changes(a: &str, b: &str) -> Vec<ValueChange> {
     let [a, b] = [a, b].map(|text| flat(&toml::from_str(text).unwrap_or_default()));
     let mut changes = changes(&a, &b);
     // What a log contains does not change the history.
@@ -38,7 +38,7 @@ pub(crate) fn scenario_changes(a: &str, b: &str) -> Vec<ValueChange> {
 }
 
 /// Returns the entries of two results that differ, without measured times and digests.
-pub(crate) fn result_changes(
+pub fn result_changes(
     a: &BTreeMap<String, String>,
     b: &BTreeMap<String, String>,
 ) -> Vec<ValueChange> {
@@ -100,7 +100,7 @@ fn flat(value: &Json) -> BTreeMap<String, String> {
 }
 
 /// Returns the events that differ, the n-th of a kind and robot compared with the n-th of the other log.
-pub(crate) fn event_changes(a: &[EventEntry], b: &[EventEntry]) -> Vec<EventChange> {
+pub fn event_changes(a: &[EventEntry], b: &[EventEntry]) -> Vec<EventChange> {
     let times = |events: &[EventEntry]| {
         let mut times: BTreeMap<String, Vec<f64>> = BTreeMap::new();
         for event in events {

@@ -21,7 +21,7 @@ const MAX_EVENTS: usize = 10_000;
 
 /// All messages of one log time.
 #[derive(Debug, Default)]
-pub(crate) struct Moment {
+pub struct Moment {
     /// Log time (ns).
     pub(crate) time_ns: u64,
     /// Its messages, in the order of the log.
@@ -29,7 +29,7 @@ pub(crate) struct Moment {
 }
 
 /// The history in a log, and what else is known of the run after the part that has been read.
-pub(crate) struct History {
+pub struct History {
     reader: Reader<'static>,
     topics: BTreeMap<u16, Arc<TopicFormat>>,
     ahead: Option<(u64, Message)>,

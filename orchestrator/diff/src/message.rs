@@ -19,7 +19,7 @@ const SOURCE: Range<usize> = {
 
 /// A topic of a history.
 #[derive(Debug)]
-pub(crate) struct TopicFormat {
+pub struct TopicFormat {
     /// Its name.
     pub(crate) name: String,
     /// Definition of its messages.
@@ -59,7 +59,7 @@ impl Message {
 
 /// A field with different values.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct FieldChange {
+pub struct FieldChange {
     /// Its name, such as `robots[3].x`.
     pub(crate) field: String,
     /// Values in both messages; empty if absent.
@@ -70,7 +70,7 @@ pub(crate) struct FieldChange {
 
 /// Returns `true` if two messages are equal, except for clocks. Messages of different definitions are equal if the fields
 /// that both have are.
-pub(crate) fn is_same(a: &Message, b: &Message) -> bool {
+pub fn is_same(a: &Message, b: &Message) -> bool {
     if a.topic.definition == b.topic.definition {
         differing_byte(&a.data, &b.data).is_none()
     } else {
@@ -100,7 +100,7 @@ fn differing_byte(a: &[u8], b: &[u8]) -> Option<usize> {
 }
 
 /// Returns the first field that differs of two messages that are not the same.
-pub(crate) fn first_change(a: &Message, b: &Message) -> FieldChange {
+pub fn first_change(a: &Message, b: &Message) -> FieldChange {
     if a.topic.definition != b.topic.definition {
         let changed = common(a, b).unwrap_or_default();
         let changed = changed.into_iter().find(|(_, x, y)| !x.is_same(y));
@@ -135,7 +135,7 @@ pub(crate) fn first_change(a: &Message, b: &Message) -> FieldChange {
 }
 
 /// Returns the fields that both messages have, by name, with both values; `None` if one cannot be decoded.
-pub(crate) fn common(a: &Message, b: &Message) -> Option<Vec<(String, Cell, Cell)>> {
+pub fn common(a: &Message, b: &Message) -> Option<Vec<(String, Cell, Cell)>> {
     let mut others: BTreeMap<String, Cell> = values(b)?.into_iter().collect();
     let fields = values(a)?.into_iter();
     let fields = fields.filter_map(|(name, cell)| {

@@ -64,13 +64,6 @@ impl<S> Legend<S> {
         self.lines(text, SIZE, false);
     }
 
-    /// Adds a row of secondary text.
-    pub fn note(&mut self, sign: S, text: &str) {
-        let lines = Vec::new();
-        self.rows.push(Row { sign, lines });
-        self.detail(text);
-    }
-
     /// Adds secondary text to the last row.
     pub fn detail(&mut self, text: &str) {
         self.lines(text, SMALL, true);
@@ -143,7 +136,7 @@ mod tests {
         let mut legend = Legend::new(160.0);
         legend.row('a', "one");
         legend.detail("more");
-        legend.note('b', "a text that needs several lines in a narrow legend");
+        legend.row('b', "a text that needs several lines in a narrow legend");
         let rows: Vec<_> = legend.placed(10.0, 20.0).collect();
         assert_eq!(rows.len(), 2);
         let texts: Vec<&str> = rows[0].lines.iter().map(|(.., text)| *text).collect();

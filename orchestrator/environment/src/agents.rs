@@ -7,7 +7,7 @@ use crate::error::EnvironmentError;
 
 /// Agents of a scenario.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Agents {
+pub struct Agents {
     /// Indices of the robots, in the order of their names in the options.
     pub robots: Vec<usize>,
     /// Indices of the processes in whose place the learner steers.

@@ -14,7 +14,7 @@ use crate::error::EnvironmentError;
 use crate::shared::SharedData;
 
 /// Execution of the episodes of one instance.
-pub(crate) trait Backend: Sized {
+pub trait Backend: Sized {
     /// Begins an episode.
     fn new(shared: &SharedData, seed: u64) -> Result<Self, EnvironmentError>;
 
@@ -36,7 +36,7 @@ pub(crate) trait Backend: Sized {
 }
 
 /// Replaces `views` by the robots of a world, as the planners of a run see them.
-pub(crate) fn view_robots(world: &World, views: &mut Vec<RobotView>) {
+pub fn view_robots(world: &World, views: &mut Vec<RobotView>) {
     views.clear();
     let robots = world.robots().iter().enumerate();
     views.extend(robots.map(|(index, robot)| RobotView {
@@ -53,7 +53,7 @@ pub(crate) fn view_robots(world: &World, views: &mut Vec<RobotView>) {
 
 /// The world alone.
 #[derive(Debug)]
-pub(crate) struct WorldBackend(World);
+pub struct WorldBackend(World);
 
 impl Backend for WorldBackend {
     fn new(shared: &SharedData, seed: u64) -> Result<Self, EnvironmentError> {
@@ -84,7 +84,7 @@ impl Backend for WorldBackend {
 }
 
 /// The world with the processes of the scenario.
-pub(crate) struct WithProcesses {
+pub struct WithProcesses {
     run: SteppedRun,
     commands: Arc<Current>,
 }

@@ -15,7 +15,7 @@ use crate::start::Start;
 
 /// Consecutive instances, stepped one after the other.
 #[derive(Debug)]
-pub(crate) struct Chunk<B> {
+pub struct Chunk<B> {
     shared: Arc<SharedData>,
     range: Range<usize>,
     scratch: Scratch,

@@ -11,14 +11,14 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Source of the commands of robots.
-pub(crate) trait Source: fmt::Debug + Send + Sync {
+pub trait Source: fmt::Debug + Send + Sync {
     /// Returns the command of a robot in the tick with this number.
     fn command(&self, robot: &str, tick: u64) -> Twist2;
 }
 
 /// Commands of the current tick.
 #[derive(Debug, Default)]
-pub(crate) struct Current(Mutex<BTreeMap<String, Twist2>>);
+pub struct Current(Mutex<BTreeMap<String, Twist2>>);
 
 impl Current {
     /// Replaces the command of a robot.
@@ -42,7 +42,7 @@ impl Source for Current {
 
 /// Commands of all ticks, by the names of the robots; a stop after the last one.
 #[derive(Debug, Default)]
-pub(crate) struct CommandHistory(pub BTreeMap<String, Vec<Twist2>>);
+pub struct CommandHistory(pub BTreeMap<String, Vec<Twist2>>);
 
 impl Source for CommandHistory {
     fn command(&self, robot: &str, tick: u64) -> Twist2 {
@@ -54,7 +54,7 @@ impl Source for CommandHistory {
 
 /// Parameters of [`CommandedPlanner`]: the source, which has no text.
 #[derive(Debug, Clone, Default, Serialize, Deserialize, JsonSchema)]
-pub(crate) struct CommandedParams {
+pub struct CommandedParams {
     #[serde(skip)]
     source: Option<Arc<dyn Source>>,
 }
@@ -80,7 +80,7 @@ impl Parameters for CommandedParams {}
 
 /// Planner of one robot that sends the commands of a source.
 #[derive(Debug)]
-pub(crate) struct CommandedPlanner {
+pub struct CommandedPlanner {
     source: Arc<dyn Source>,
     robot: String,
     tick: u64,

@@ -1,7 +1,7 @@
 //! Seeds of episodes.
 
 /// Returns the seed of an episode of an instance, below 2^63.
-pub(crate) fn episode_seed(seed: u64, instance: usize, episode: u64) -> u64 {
+pub fn episode_seed(seed: u64, instance: usize, episode: u64) -> u64 {
     use rand::Rng as _;
     let (instance, episode) = (instance.to_string(), episode.to_string());
     runtime::seed::stream(seed, "environment", &instance, &episode).next_u64() >> 1

@@ -27,7 +27,7 @@ use crate::shared::{SharedData, planner_map};
 
 /// Memory of a step that instances of one thread share.
 #[derive(Debug)]
-pub(crate) struct Scratch {
+pub struct Scratch {
     /// Data of the instances that may use it.
     shared: Arc<SharedData>,
     scene: Scene,
@@ -68,7 +68,7 @@ impl Scratch {
 
 /// One instance.
 #[derive(Debug)]
-pub(crate) struct Instance<B> {
+pub struct Instance<B> {
     backend: B,
     index: usize,
     seed: u64,

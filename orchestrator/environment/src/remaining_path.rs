@@ -11,7 +11,7 @@ use crate::error::EnvironmentError;
 
 /// The shortest way of one agent to its goal, or that of an evader without a goal to an exit.
 #[derive(Debug, Clone)]
-pub(crate) struct RemainingPath {
+pub struct RemainingPath {
     goal: Option<Point2<f64>>,
     is_evader: bool,
     finder: RouteFinder,

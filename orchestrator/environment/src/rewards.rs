@@ -94,7 +94,7 @@ impl RewardWeights {
 }
 
 /// Adds the events of the last step of a world to the counts of an agent.
-pub(crate) fn count(world: &World, robot: usize, team: Team, counts: &mut [f32; EVENTS]) {
+pub fn count(world: &World, robot: usize, team: Team, counts: &mut [f32; EVENTS]) {
     let robots = world.robots();
     let is_hostile = |other: usize| {
         let other = robots.get(other);

@@ -18,7 +18,7 @@ pub struct RunningEpisode<'a> {
 }
 
 /// Function that sees the running episode.
-pub(crate) type Look = Box<dyn FnOnce(&RunningEpisode<'_>) + Send>;
+pub type Look = Box<dyn FnOnce(&RunningEpisode<'_>) + Send>;
 
 impl RunningEpisode<'_> {
     /// Returns the scenario.

@@ -50,7 +50,7 @@ impl Variant {
 
 /// Data that all instances of a scenario share; it never changes.
 #[derive(Debug)]
-pub(crate) struct SharedData {
+pub struct SharedData {
     pub template: Template,
     pub options: Options,
     pub agents: Agents,
@@ -205,10 +205,7 @@ impl SharedData {
 }
 
 /// Returns the map as planners get it, for all instances.
-pub(crate) fn planner_map(
-    world: &WorldMap,
-    blur_sigma: f64,
-) -> Result<Arc<PlannerMap>, EnvironmentError> {
+pub fn planner_map(world: &WorldMap, blur_sigma: f64) -> Result<Arc<PlannerMap>, EnvironmentError> {
     let map = PlannerMap::of_world(world, blur_sigma, world.revision())?;
     Ok(Arc::new(map.shared()))
 }

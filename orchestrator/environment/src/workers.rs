@@ -33,7 +33,7 @@ enum Reply {
 
 /// A thread and its instances. The processes of a run cannot change their thread.
 #[derive(Debug)]
-pub(crate) struct Worker {
+pub struct Worker {
     /// Process that has the thread: a forked child has not.
     process: u32,
     range: Range<usize>,

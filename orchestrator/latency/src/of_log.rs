@@ -9,7 +9,7 @@ use ipc_types::topics::{Commands, Status, Topic as _, TopicId, WorldState};
 use mcap_log::Origin;
 use mcap_log::reader::{Channel, Item, Reader};
 use mcap_log::{Condition, LogReadError, ReadProgress, known};
-use statistics::{Distribution, Distributions};
+use statistics::Distributions;
 
 use super::error::LatencyError;
 use recorder::RunInfo;
@@ -66,15 +66,6 @@ pub struct RunLatencies {
     pub sizes: BTreeMap<String, Sizes>,
     /// Condition of the log.
     pub condition: Condition,
-}
-
-impl RunLatencies {
-    /// Returns the distribution with this name among hops, stages and ticks.
-    pub fn distribution(&self, name: &str) -> Option<&Distribution> {
-        [&self.stages, &self.hops, &self.period]
-            .into_iter()
-            .find_map(|group| group.get(name))
-    }
 }
 
 /// Reads a log.

@@ -10,7 +10,7 @@ use super::of_log::RunLatencies;
 use super::{REACTION, Stage, TICK_JITTER, WHOLE};
 
 /// Number of bins of a histogram per power of ten.
-pub(super) const PER_DECADE: u32 = 8;
+pub const PER_DECADE: u32 = 8;
 
 /// Measurements of one mission, or of one log.
 #[derive(Debug, Clone)]

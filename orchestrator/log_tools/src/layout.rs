@@ -16,7 +16,7 @@ const MAX_ARRAY_MESSAGES: usize = 16;
 
 /// Mapping of a topic's messages to rows.
 #[derive(Debug, Clone)]
-pub(crate) struct Layout {
+pub struct Layout {
     schema: Schema,
     /// Number of fields before the sequence with one row per element; all fields if there is none.
     before: usize,

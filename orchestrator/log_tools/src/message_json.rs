@@ -8,7 +8,7 @@ use tables::Cell;
 
 /// Reason why the messages of a channel cannot be decoded.
 #[derive(Debug, thiserror::Error)]
-pub(crate) enum Undecodable {
+pub enum Undecodable {
     #[error("it has no schema")]
     NoSchema,
     #[error(
@@ -23,10 +23,7 @@ pub(crate) enum Undecodable {
 ///
 /// # Errors
 /// Its messages cannot be decoded.
-pub(crate) fn schema_of(
-    channel: &Channel,
-    schema: Option<&LogSchema>,
-) -> Result<Schema, Undecodable> {
+pub fn schema_of(channel: &Channel, schema: Option<&LogSchema>) -> Result<Schema, Undecodable> {
     let schema = schema.ok_or(Undecodable::NoSchema)?;
     if channel.message_encoding != "cdr" || schema.encoding != "ros2msg" {
         return Err(Undecodable::Encoding {
@@ -38,7 +35,7 @@ pub(crate) fn schema_of(
 }
 
 /// Returns a message as a JSON object, its fields in the order of the schema.
-pub(crate) fn object(schema: &Schema, message: &[u8]) -> Result<String, DecodeError> {
+pub fn object(schema: &Schema, message: &[u8]) -> Result<String, DecodeError> {
     let mut text = String::new();
     let mut cdr = Cdr::new(schema, message)?;
     fields(&mut cdr, schema.fields(), &mut text, ByteForm::Text)?;
@@ -55,12 +52,12 @@ enum ByteForm {
 }
 
 /// Returns `true` if the elements of a field are bytes.
-pub(crate) fn is_bytes(field: &Field) -> bool {
+pub fn is_bytes(field: &Field) -> bool {
     field.count != Count::One && field.kind == Kind::Primitive(Primitive::U8)
 }
 
 /// Reads a byte array: as text without trailing zeros, or in hexadecimal if it is not printable text.
-pub(crate) fn bytes(cdr: &mut Cdr<'_>, field: &Field) -> Result<String, DecodeError> {
+pub fn bytes(cdr: &mut Cdr<'_>, field: &Field) -> Result<String, DecodeError> {
     let mut bytes = Vec::new();
     for _ in 0..cdr.count(field)? {
         if let Cell::UInt(byte) = cdr.primitive(Primitive::U8, &field.name)? {
@@ -87,7 +84,7 @@ pub(crate) fn bytes(cdr: &mut Cdr<'_>, field: &Field) -> Result<String, DecodeEr
 }
 
 /// Appends a field as JSON, byte arrays as arrays of numbers; numbers that are not finite become null.
-pub(crate) fn json(cdr: &mut Cdr<'_>, field: &Field, text: &mut String) -> Result<(), DecodeError> {
+pub fn json(cdr: &mut Cdr<'_>, field: &Field, text: &mut String) -> Result<(), DecodeError> {
     value(cdr, field, text, ByteForm::Numbers)
 }
 
@@ -163,6 +160,6 @@ fn fields(
 }
 
 /// Returns a JSON string.
-pub(crate) fn quoted(text: &str) -> String {
+pub fn quoted(text: &str) -> String {
     serde_json::Value::from(text).to_string()
 }

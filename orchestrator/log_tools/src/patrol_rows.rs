@@ -13,11 +13,11 @@ use tables::{Cell, Column, InMemory, Rows as _, Type};
 use super::topic_columns::{TopicColumns, too_many_texts};
 
 /// Name of the table.
-pub(crate) const PATROLS: &str = "patrols";
+pub const PATROLS: &str = "patrols";
 
 /// The patrols of a log, measured while it is read.
 #[derive(Debug, Default)]
-pub(crate) struct PatrolRows {
+pub struct PatrolRows {
     origin: Origin,
     /// Channel of the states of the robots.
     states: Option<u16>,

@@ -8,7 +8,7 @@ use mcap_log::{LogReadError, ReadProgress};
 
 /// Log times of the first and of the last message to take (ns).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct TimeSpan {
+pub struct TimeSpan {
     pub from: u64,
     pub to: u64,
 }

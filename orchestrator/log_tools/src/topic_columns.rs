@@ -92,6 +92,6 @@ fn begin(
 
 /// Returns the only error of a table in memory: a column has more than 2³¹ different texts.
 #[expect(clippy::needless_pass_by_value, reason = "for `map_err`")]
-pub(crate) fn too_many_texts(error: io::Error) -> LogReadError {
+pub fn too_many_texts(error: io::Error) -> LogReadError {
     LogReadError::Argument(error.to_string())
 }

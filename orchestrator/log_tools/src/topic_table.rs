@@ -11,13 +11,13 @@ use super::layout::Layout;
 use super::message_json::{Undecodable, schema_of};
 
 /// Returns the layout of a channel's table, or the reason why it has none.
-pub(crate) fn layout(channel: &Channel, schema: Option<&Schema>) -> Result<Layout, Undecodable> {
+pub fn layout(channel: &Channel, schema: Option<&Schema>) -> Result<Layout, Undecodable> {
     Ok(Layout::new(schema_of(channel, schema)?)?)
 }
 
 /// Names of the robots of a log.
 #[derive(Debug, Default)]
-pub(crate) struct RobotNames {
+pub struct RobotNames {
     /// Channel of the names, and its schema.
     channel: Option<(u16, Vec<u8>)>,
     /// Names by index; empty if the log does not state them.
@@ -43,7 +43,7 @@ impl RobotNames {
 }
 
 /// A table that is being filled; its end returns `W`.
-pub(crate) struct TopicTable<W> {
+pub struct TopicTable<W> {
     layout: Layout,
     /// Positions of the columns that state a robot by index.
     robot_columns: Vec<usize>,

@@ -144,16 +144,6 @@ impl Source {
         self.reader.path()
     }
 
-    /// Returns the size of the file (bytes).
-    pub fn length(&self) -> u64 {
-        self.reader.condition().file_bytes
-    }
-
-    /// Returns the read position in the file (bytes).
-    pub fn offset(&self) -> u64 {
-        self.reader.offset()
-    }
-
     /// Returns `true` if the file has an index.
     pub fn has_index(&self) -> bool {
         self.index.is_some()

@@ -63,11 +63,6 @@ impl States {
         Ok(())
     }
 
-    /// Returns the channels that have a kept message.
-    pub fn channels(&self) -> impl Iterator<Item = u16> + '_ {
-        self.last.keys().map(|(channel, _)| *channel)
-    }
-
     /// Removes and returns all messages, in their original order.
     pub fn take(&mut self) -> Vec<(MessageHeader, Vec<u8>)> {
         self.bytes = 0;

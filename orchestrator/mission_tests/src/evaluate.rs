@@ -10,12 +10,7 @@ use crate::limit::number;
 use crate::report::Verdict;
 
 /// Returns what a mission has in place of the expected; `None` if the expectation holds, or is about others.
-pub(crate) fn of_mission(
-    check: &Check,
-    seed: u64,
-    row: &Row,
-    events: &[EventEntry],
-) -> Option<String> {
+pub fn of_mission(check: &Check, seed: u64, row: &Row, events: &[EventEntry]) -> Option<String> {
     match check {
         Check::Digest { seed: of, digest } => {
             let hint = if digest.is_empty() {
@@ -69,7 +64,7 @@ fn has_word(event: &EventEntry, word: &str, row: &Row) -> bool {
 }
 
 /// Returns verdict and value of an expectation of several missions; `None` if it is about single ones.
-pub(crate) fn of_all(check: &Check, rows: &[&Row]) -> Option<(Verdict, String)> {
+pub fn of_all(check: &Check, rows: &[&Row]) -> Option<(Verdict, String)> {
     let (over, within, value, interval) = match check {
         Check::Share {
             members,

@@ -13,14 +13,14 @@ use tables::{Cell, Type};
 use crate::limit::Limit;
 
 /// An expectation, with its text and line in the file.
-pub(crate) struct Expectation {
+pub struct Expectation {
     pub text: String,
     pub line: usize,
     pub check: Check,
 }
 
 /// Subject of an expectation.
-pub(crate) enum Check {
+pub enum Check {
     /// Digest of the mission with this seed.
     Digest { seed: u64, digest: String },
     /// No contacts.
@@ -45,10 +45,10 @@ pub(crate) enum Check {
 }
 
 /// A value of a mission; empty if it has none.
-pub(crate) type Value = Box<dyn Fn(&Row) -> Cell + Send + Sync>;
+pub type Value = Box<dyn Fn(&Row) -> Cell + Send + Sync>;
 
 /// A value of a mission, and what it may be.
-pub(crate) struct ColumnLimit {
+pub struct ColumnLimit {
     value: Value,
     limit: Limit,
 }
@@ -61,7 +61,7 @@ impl ColumnLimit {
 }
 
 /// Reader of the expectations of a test.
-pub(crate) struct ExpectReader<'a> {
+pub struct ExpectReader<'a> {
     pub reader: &'a mut Reader,
     /// Path of `expect`.
     pub base: FieldPath,

@@ -12,7 +12,7 @@ use recorder::time_text;
 use crate::test_file::MissionTest;
 
 /// Paths of the logs of a mission.
-pub(crate) struct Logs {
+pub struct Logs {
     /// Log of the mission when it last passed.
     pub accepted: PathBuf,
     /// Log when it last failed.
@@ -47,7 +47,7 @@ impl Logs {
 
 /// Describes the first difference of the new log from the accepted one; `None` if that is not the log of the digest, or
 /// none is found.
-pub(crate) fn describe(logs: &Logs, digest: &str, interrupted: &Arc<AtomicBool>) -> Option<String> {
+pub fn describe(logs: &Logs, digest: &str, interrupted: &Arc<AtomicBool>) -> Option<String> {
     let mut watch = ReadProgress::new(Arc::clone(interrupted), true);
     let report = diff(&logs.accepted, &logs.new, &mut watch).ok()?;
     if report.a.digest.as_deref() != Some(digest) {

@@ -9,7 +9,7 @@ const ROUNDING: f64 = 1e-9;
 
 /// Values that meet an expectation.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Limit {
+pub enum Limit {
     Bool(bool),
     Text(String),
     Range(Interval),
@@ -76,7 +76,7 @@ fn interval(range: &RangeSpec) -> Option<Interval> {
 }
 
 /// Returns a value as a number, if it is one.
-pub(crate) fn number(cell: &Cell) -> Option<f64> {
+pub fn number(cell: &Cell) -> Option<f64> {
     match cell {
         Cell::Int(v) => Some(*v as f64),
         Cell::F64(v) => Some(*v),

@@ -127,7 +127,7 @@ impl SuiteReport {
 }
 
 /// Returns a number of missions in words.
-pub(crate) fn count_text(missions: usize) -> String {
+pub fn count_text(missions: usize) -> String {
     let noun = if missions == 1 { "mission" } else { "missions" };
     format!("{missions} {noun}")
 }

@@ -26,7 +26,7 @@ enum TestFile {
 /// Missions of a scenario, and what is expected of them.
 #[derive(Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct TestSpec {
+pub struct TestSpec {
     /// Name of the test, in a file with several.
     #[serde(default)]
     pub name: Option<String>,
@@ -75,7 +75,7 @@ impl TestSpec {
     untagged,
     expecting = "expected a range such as \"1..200\", or an array of seeds"
 )]
-pub(crate) enum SeedList {
+pub enum SeedList {
     /// A range, both ends included: `"1..200"`.
     Range(String),
     /// Each seed.

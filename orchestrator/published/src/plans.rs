@@ -7,7 +7,7 @@ use evader_rrt_star::RrtStarParams;
 use evader_rrt_star::collision_map::CollisionMap;
 use evader_rrt_star::cost::{CostModel, Pursuer};
 use evader_rrt_star::params::Primitive;
-use evader_rrt_star::planning::{Planning, Task};
+use evader_rrt_star::planning::{self, Task};
 use geometry::map::WorldMap;
 use geometry::pose::Pose2;
 use nalgebra::Point2;
@@ -161,7 +161,7 @@ impl Setting {
             .filter_map(|&e| collision_map.free_place(e, END_TOLERANCE));
         let goals: Vec<Point2<f64>> = places.collect();
         let towards = collision_map.towards(&goals);
-        let route = Planning::new(params, &limits, seed)
+        let route = planning::for_robot(params, &limits, seed)
             .plan(&Task {
                 collision_map,
                 bodies: &[],

@@ -54,11 +54,6 @@ impl Draft<'_> {
         overrides::find(&self.root, key)
     }
 
-    /// Returns the problems found so far.
-    pub fn problems(&self) -> &Diagnostics {
-        &self.problems
-    }
-
     /// Fills in the defaults and checks everything.
     ///
     /// # Errors

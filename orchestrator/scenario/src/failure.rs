@@ -46,10 +46,10 @@ pub(super) fn read(
     if supervision.on_failure == OnFailure::Restart && run.mode == Mode::LockStep {
         let field = "on_failure";
         let message = "lock-step mode cannot restart a process";
-        let problem = ctx
-            .problem(node, path, field, Code::Requirement, message)
-            .expected("\"abort\" or \"continue\", or run.mode = \"real_time\"");
-        ctx.problems.push(problem);
+        ctx.problems.push(
+            ctx.problem(node, path, field, Code::Requirement, message)
+                .expected("\"abort\" or \"continue\", or run.mode = \"real_time\""),
+        );
     }
     (ctx.problems.len() == before).then_some(supervision)
 }

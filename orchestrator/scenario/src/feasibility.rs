@@ -30,8 +30,8 @@ pub fn resolve(
         Err(e) => {
             let path = FieldPath::key("world").then("map");
             let origin = ctx.root.origin_along(&path);
-            let problem = ctx.block_problem(origin, &path, Code::Geometry, e.to_string());
-            ctx.problems.push(problem);
+            ctx.problems
+                .push(ctx.block_problem(origin, &path, Code::Geometry, e.to_string()));
             return None;
         }
     };
@@ -207,11 +207,11 @@ fn check_overlaps(ctx: &mut Context<'_>, robots: &[Robot]) -> bool {
                 other.spec.name, robot.spec.name
             );
             let at = robot.spec.start;
-            let problem = ctx
-                .problem(&robot.node, &robot.path, "start", Code::Geometry, message)
-                .value(format!("x = {}, y = {} (m)", at.x, at.y))
-                .expected(format!("centres more than {least:.3} m apart"));
-            ctx.problems.push(problem);
+            ctx.problems.push(
+                ctx.problem(&robot.node, &robot.path, "start", Code::Geometry, message)
+                    .value(format!("x = {}, y = {} (m)", at.x, at.y))
+                    .expected(format!("centres more than {least:.3} m apart")),
+            );
             fine = false;
         }
     }
@@ -258,8 +258,8 @@ fn check_exits(
         }
         let center = exit.center();
         let origin = ctx.root.origin_along(&path);
-        let problem = ctx
-            .block_problem(
+        ctx.problems.push(
+            ctx.block_problem(
                 origin,
                 &path,
                 Code::Geometry,
@@ -268,8 +268,8 @@ fn check_exits(
             .value(format!("exit at x = {}, y = {} (m)", center.x, center.y))
             .expected(format!(
                 "a way for a robot of radius {slimmest} m from the start of an evader"
-            ));
-        ctx.problems.push(problem);
+            )),
+        );
     }
 }
 
@@ -286,12 +286,12 @@ fn check_goals(ctx: &mut Context<'_>, world_map: &WorldMap, robots: &[Robot], st
         }
         let center = goal.center();
         let message = format!("robot `{}` cannot reach its goal", robot.spec.name);
-        let problem = ctx
-            .problem(&robot.node, &robot.path, "goal", Code::Geometry, message)
-            .value(format!("goal at x = {}, y = {} (m)", center.x, center.y))
-            .expected(format!(
-                "a way for a robot of radius {radius} m from its start"
-            ));
-        ctx.problems.push(problem);
+        ctx.problems.push(
+            ctx.problem(&robot.node, &robot.path, "goal", Code::Geometry, message)
+                .value(format!("goal at x = {}, y = {} (m)", center.x, center.y))
+                .expected(format!(
+                    "a way for a robot of radius {radius} m from its start"
+                )),
+        );
     }
 }

@@ -2,6 +2,7 @@
 
 use core::any::Any;
 use core::fmt;
+use core::ops::Deref;
 use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -125,85 +126,65 @@ impl ConfiguredKind {
         Self(Arc::new(TypedKind::<K> { params }))
     }
 
-    /// Returns the kind.
-    pub fn kind(&self) -> Kind {
-        self.0.kind()
-    }
-
     /// Returns the parameters if they have type `P`.
     pub fn params<P: 'static>(&self) -> Option<&P> {
-        self.0.params().downcast_ref()
+        self.0.any().downcast_ref()
     }
+}
 
-    /// Returns the parameters as JSON.
-    pub fn json(&self) -> Json {
-        self.0.json()
-    }
+impl Deref for ConfiguredKind {
+    type Target = dyn ErasedKind;
 
-    /// See [`ProcessKind::declare`].
-    pub fn declaration(&self) -> Declaration {
-        self.0.declaration()
-    }
-
-    /// See [`ProcessKind::lookout`].
-    pub fn lookout(&self, given: &[usize], robots: &[RobotSpec]) -> Option<ViewSpec> {
-        self.0.lookout(given, robots)
-    }
-
-    /// See [`ProcessKind::sketch`].
-    pub fn sketch(&self, robot: &RobotSpec, map: &MapSpec) -> TaskSketch {
-        self.0.sketch(robot, map)
-    }
-
-    /// See [`ProcessKind::check_task`].
-    ///
-    /// # Errors
-    /// The first mismatch between task and parameters.
-    pub fn check_task(&self, task: &Task<'_>) -> Result<(), TaskFault> {
-        self.0.check_task(task)
-    }
-
-    /// See [`parameters::unusual`].
-    pub fn unusual(&self) -> Vec<Unusual> {
-        self.0.unusual()
-    }
-
-    /// See [`ProcessKind::remarks`].
-    pub fn remarks(&self, task: &Task<'_>) -> Vec<Remark> {
-        self.0.remarks(task)
-    }
-
-    /// Opens a process in this thread.
-    ///
-    /// # Errors
-    /// See [`runtime::paced::start`].
-    pub fn open(
-        &self,
-        config: &ProcessConfig,
-        bus: &Bus,
-    ) -> Result<Box<dyn Process>, ProcessError> {
-        self.0.open(config, bus)
+    fn deref(&self) -> &Self::Target {
+        &*self.0
     }
 }
 
 impl PartialEq for ConfiguredKind {
     fn eq(&self, other: &Self) -> bool {
-        self.0.equals(other.0.params())
+        self.equals(other.any())
     }
 }
 
 /// Interface of [`ConfiguredKind`] without its type of parameters.
-trait ErasedKind: fmt::Debug + Send + Sync {
+pub trait ErasedKind: fmt::Debug + Send + Sync {
+    /// Returns the kind.
     fn kind(&self) -> Kind;
-    fn params(&self) -> &dyn Any;
+
+    /// Returns the parameters.
+    fn any(&self) -> &dyn Any;
+
+    /// Returns `true` if these are the same parameters.
     fn equals(&self, params: &dyn Any) -> bool;
+
+    /// Returns the parameters as JSON.
     fn json(&self) -> Json;
+
+    /// See [`ProcessKind::declare`].
     fn declaration(&self) -> Declaration;
+
+    /// See [`ProcessKind::lookout`].
     fn lookout(&self, given: &[usize], robots: &[RobotSpec]) -> Option<ViewSpec>;
+
+    /// See [`ProcessKind::sketch`].
     fn sketch(&self, robot: &RobotSpec, map: &MapSpec) -> TaskSketch;
+
+    /// See [`ProcessKind::check_task`].
+    ///
+    /// # Errors
+    /// The first mismatch between task and parameters.
     fn check_task(&self, task: &Task<'_>) -> Result<(), TaskFault>;
+
+    /// See [`parameters::unusual`].
     fn unusual(&self) -> Vec<Unusual>;
+
+    /// See [`ProcessKind::remarks`].
     fn remarks(&self, task: &Task<'_>) -> Vec<Remark>;
+
+    /// Opens a process in this thread.
+    ///
+    /// # Errors
+    /// See [`runtime::paced::start`].
     fn open(&self, config: &ProcessConfig, bus: &Bus) -> Result<Box<dyn Process>, ProcessError>;
 }
 
@@ -223,7 +204,7 @@ impl<K: ProcessKind> ErasedKind for TypedKind<K> {
         Kind::from_type::<K>()
     }
 
-    fn params(&self) -> &dyn Any {
+    fn any(&self) -> &dyn Any {
         &self.params
     }
 

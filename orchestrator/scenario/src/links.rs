@@ -171,9 +171,9 @@ fn check(
     } else {
         format!("{expected}: {}", topics_between.join(", "))
     };
-    let problem = ctx
-        .problem(node, path, "topic", Code::Requirement, message)
-        .value(format!("{} from {} to {}", link.topic, link.from, link.to))
-        .expected(expected);
-    ctx.problems.push(problem);
+    ctx.problems.push(
+        ctx.problem(node, path, "topic", Code::Requirement, message)
+            .value(format!("{} from {} to {}", link.topic, link.from, link.to))
+            .expected(expected),
+    );
 }

@@ -6,7 +6,6 @@ use config::{
     Code, Diagnostic, Diagnostics, Node, SourceKind, Sources, list_choices, nearest, parse_document,
 };
 use platform::presence;
-use scenario_files::renamed;
 
 use super::builtin;
 use super::draft::Draft;
@@ -149,13 +148,10 @@ impl<'k> Loader<'k> {
         let mut sources = Sources::default();
         let mut problems = Diagnostics::default();
         let source = sources.add(SourceKind::File, file, text);
-        let Some(mut root) = parse_document(&sources, source, &mut problems) else {
+        let Some(root) = parse_document(&sources, source, &mut problems) else {
             problems.push_if_empty(|| Diagnostic::new(Code::Syntax, "not a scenario"));
             return Err(problems.sorted());
         };
-        if *base == Base::Nothing {
-            renamed::update(&mut root);
-        }
         let stem = Path::new(file)
             .file_stem()
             .and_then(|s| s.to_str())

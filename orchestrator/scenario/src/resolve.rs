@@ -143,16 +143,17 @@ fn check_ticks(ctx: &mut Context<'_>, run: &RunSpec, rules: &RulesSpec) {
         return;
     };
     let path = FieldPath::key("rules").then("time_limit");
-    let problem = Diagnostic::new(Code::Limit, "the run would have too many ticks")
-        .at(ctx.sources.place(ctx.root.origin_along(&path)))
-        .field(&path)
-        .value(format!(
-            "{limit} (s) in ticks of run.dt = {} (s): {:e} ticks",
-            run.dt,
-            limit / run.dt
-        ))
-        .expected(format!("at most {MAX_TICKS:e} ticks"));
-    ctx.problems.push(problem);
+    ctx.problems.push(
+        Diagnostic::new(Code::Limit, "the run would have too many ticks")
+            .at(ctx.sources.place(ctx.root.origin_along(&path)))
+            .field(&path)
+            .value(format!(
+                "{limit} (s) in ticks of run.dt = {} (s): {:e} ticks",
+                run.dt,
+                limit / run.dt
+            ))
+            .expected(format!("at most {MAX_TICKS:e} ticks")),
+    );
 }
 
 /// Checks that some condition can end the run.
@@ -169,10 +170,11 @@ fn check_end(ctx: &mut Context<'_>, map: &MapSpec, robots: &[Robot], rules: &Rul
         return;
     }
     let path = FieldPath::key("rules").then("time_limit");
-    let problem = Diagnostic::new(Code::Requirement, "this run has no end condition")
-        .at(ctx.sources.place(ctx.root.origin_along(&path)))
-        .field(&path)
-        .expected("a time limit, a robot with a goal, or evaders that can escape or be caught")
-        .help("set rules.time_limit = 60.0 (s)");
-    ctx.problems.push(problem);
+    ctx.problems.push(
+        Diagnostic::new(Code::Requirement, "this run has no end condition")
+            .at(ctx.sources.place(ctx.root.origin_along(&path)))
+            .field(&path)
+            .expected("a time limit, a robot with a goal, or evaders that can escape or be caught")
+            .help("set rules.time_limit = 60.0 (s)"),
+    );
 }

@@ -47,13 +47,13 @@ pub fn check_name(
     if !name.is_empty() && name.len() <= MAX_NAME && name.bytes().all(allowed) {
         return true;
     }
-    let problem = ctx
-        .problem(node, path, key, Code::OutOfRange, "name not allowed")
-        .value(format!("{name:?}"))
-        .expected(format!(
-            "1 to {MAX_NAME} of the characters a–z, A–Z, 0–9, _ and -"
-        ));
-    ctx.problems.push(problem);
+    ctx.problems.push(
+        ctx.problem(node, path, key, Code::OutOfRange, "name not allowed")
+            .value(format!("{name:?}"))
+            .expected(format!(
+                "1 to {MAX_NAME} of the characters a–z, A–Z, 0–9, _ and -"
+            )),
+    );
     false
 }
 
@@ -67,15 +67,15 @@ pub fn resolve(ctx: &mut Context<'_>) -> Option<Vec<Robot>> {
         .is_none_or(|n| n.as_array().is_some());
     if blocks.is_empty() && listed {
         let path = FieldPath::key("robots");
-        let problem = ctx
-            .block_problem(
+        ctx.problems.push(
+            ctx.block_problem(
                 ctx.root.origin,
                 &path,
                 Code::MissingKey,
                 "the scenario has no robots",
             )
-            .expected("at least one [[robots]] block");
-        ctx.problems.push(problem);
+            .expected("at least one [[robots]] block"),
+        );
         return None;
     }
     if let Some((path, node)) = blocks.get(MAX_ROBOTS) {
@@ -104,11 +104,11 @@ pub fn resolve(ctx: &mut Context<'_>) -> Option<Vec<Robot>> {
 }
 
 fn report_too_many(ctx: &mut Context<'_>, path: &FieldPath, node: &Node, found: usize) {
-    let problem = ctx
-        .block_problem(node.origin, path, Code::Limit, "too many robots")
-        .value(found)
-        .expected(format!("at most {MAX_ROBOTS} robots"));
-    ctx.problems.push(problem);
+    ctx.problems.push(
+        ctx.block_problem(node.origin, path, Code::Limit, "too many robots")
+            .value(found)
+            .expected(format!("at most {MAX_ROBOTS} robots")),
+    );
 }
 
 /// Reports faults in `[defaults]` and `[teams]`, also in values that no robot inherits.
@@ -133,11 +133,11 @@ fn check_inherited(ctx: &mut Context<'_>) {
                 continue;
             };
             let message = format!("`{key}` cannot be inherited: every robot has its own");
-            let problem = ctx
-                .block_problem(entry.origin, &path.then(key), Code::Requirement, message)
-                .value(entry.node.render_short())
-                .expected(format!("`{key}` in each [[robots]] block"));
-            ctx.problems.push(problem);
+            ctx.problems.push(
+                ctx.block_problem(entry.origin, &path.then(key), Code::Requirement, message)
+                    .value(entry.node.render_short())
+                    .expected(format!("`{key}` in each [[robots]] block")),
+            );
         }
     }
 }
@@ -173,16 +173,16 @@ fn read_robot(
 ) -> Option<(Robot, Option<usize>)> {
     let block: RobotBlock = ctx.read(&node, &path)?;
     let missing = |ctx: &mut Context<'_>, key: &str, expected: &str| {
-        let problem = ctx
-            .problem(
+        ctx.problems.push(
+            ctx.problem(
                 &node,
                 &path,
                 key,
                 Code::MissingKey,
                 format!("missing key `{key}`"),
             )
-            .expected(expected);
-        ctx.problems.push(problem);
+            .expected(expected),
+        );
     };
     if block.name.is_none() {
         missing(ctx, "name", "name = \"…\"");
@@ -270,15 +270,15 @@ fn check_unique(ctx: &mut Context<'_>, others: &[Robot], robot: &Robot) -> bool 
         .map_or(String::new(), |p| {
             format!(" (the other is at {}:{})", p.file, p.line)
         });
-    let problem = ctx
-        .problem(
+    ctx.problems.push(
+        ctx.problem(
             &robot.node,
             &robot.path,
             "name",
             Code::Duplicate,
             format!("two robots are called `{name}`{line}"),
         )
-        .expected("a unique name for every robot");
-    ctx.problems.push(problem);
+        .expected("a unique name for every robot"),
+    );
     false
 }

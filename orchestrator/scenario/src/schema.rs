@@ -1,9 +1,9 @@
-//! Declarations of scenario files: a JSON Schema for editors, and tables for the reference.
+//! Declarations of scenario files: a JSON Schema for editors, and the sections of the reference.
 
 use geometry::map::{CellMap, VectorMap};
 use geometry::region::Region;
 use geometry::shape::Shape;
-use parameters::{Reference, for_people, schema_generator};
+use parameters::{for_people, schema_generator};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde_json::{Value as Json, json};
 use sim_backend::spec::{CoverageSpec, RulesSpec};
@@ -68,40 +68,42 @@ fn case(kind: Kind, generator: &mut SchemaGenerator) -> Json {
     })
 }
 
-/// Returns the keys of a scenario file as tables in Markdown.
-pub fn reference() -> String {
-    let mut reference = Reference::default();
-    reference.section::<TopLevel>("Top level");
-    reference.section::<RunSpec>("`[run]`");
-    reference.section::<WorldBlock>("`[world]`");
-    reference.section::<VectorMap>("`[world.map.vector]`");
-    reference.section::<CellMap>("`[world.map.cells]`");
-    reference.section::<RulesSpec>("`[rules]`");
-    reference.section::<CoverageSpec>("`[rules.coverage]`");
-    reference.section::<RobotBlock>("`[[robots]]`");
-    reference.section::<ProcessBlock>("`[[processes]]`");
-    reference.section::<EventBlock>("`[[events]]`");
-    reference.section::<WhenBlock>("`when`");
-    reference.section::<LinkSpec>("`[[links]]`");
-    reference.section::<LogSpec>("`[log]`");
-    reference.section::<ExpectSpec>("`[expect]`");
-    reference.section::<RangeSpec>("Ranges");
-    reference.section::<ShareSpec>("Shares");
-    reference.section::<MeanSpec>("Means");
-    reference.section::<Shape>("Shapes");
-    reference.section::<Region>("Regions");
-    reference.markdown()
-}
+/// A part of a file that has a section of the reference: heading, and function that generates the schema.
+pub type Section = (&'static str, fn(&mut SchemaGenerator) -> Schema);
 
-/// Returns the parameters of kinds of processes as tables in Markdown.
-pub fn parameters(kinds: &[Kind]) -> String {
-    let mut reference = Reference::default();
-    for kind in kinds {
-        let (first, rest) = kind.summary.split_at(1);
-        let summary = format!("{}{rest}.", first.to_uppercase());
-        reference.add(&format!("`{}`", kind.name), &summary, |generator| {
-            kind.schema(generator)
-        });
-    }
-    reference.markdown()
+/// Returns the parts of a scenario file that have a section of the reference: its heading, and the schema.
+pub fn sections() -> [Section; 19] {
+    [
+        ("Top level", SchemaGenerator::subschema_for::<TopLevel>),
+        ("`[run]`", SchemaGenerator::subschema_for::<RunSpec>),
+        ("`[world]`", SchemaGenerator::subschema_for::<WorldBlock>),
+        (
+            "`[world.map.vector]`",
+            SchemaGenerator::subschema_for::<VectorMap>,
+        ),
+        (
+            "`[world.map.cells]`",
+            SchemaGenerator::subschema_for::<CellMap>,
+        ),
+        ("`[rules]`", SchemaGenerator::subschema_for::<RulesSpec>),
+        (
+            "`[rules.coverage]`",
+            SchemaGenerator::subschema_for::<CoverageSpec>,
+        ),
+        ("`[[robots]]`", SchemaGenerator::subschema_for::<RobotBlock>),
+        (
+            "`[[processes]]`",
+            SchemaGenerator::subschema_for::<ProcessBlock>,
+        ),
+        ("`[[events]]`", SchemaGenerator::subschema_for::<EventBlock>),
+        ("`when`", SchemaGenerator::subschema_for::<WhenBlock>),
+        ("`[[links]]`", SchemaGenerator::subschema_for::<LinkSpec>),
+        ("`[log]`", SchemaGenerator::subschema_for::<LogSpec>),
+        ("`[expect]`", SchemaGenerator::subschema_for::<ExpectSpec>),
+        ("Ranges", SchemaGenerator::subschema_for::<RangeSpec>),
+        ("Shares", SchemaGenerator::subschema_for::<ShareSpec>),
+        ("Means", SchemaGenerator::subschema_for::<MeanSpec>),
+        ("Shapes", SchemaGenerator::subschema_for::<Shape>),
+        ("Regions", SchemaGenerator::subschema_for::<Region>),
+    ]
 }

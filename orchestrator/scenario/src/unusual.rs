@@ -3,7 +3,6 @@
 use geometry::map::MapSpec;
 use parameters::{Unusual, unusual};
 
-use super::kind::ConfiguredKind;
 use super::remarks::first_of_each;
 use super::resolved::ResolvedScenario;
 
@@ -32,7 +31,7 @@ impl ResolvedScenario {
             }
         }
         for process in &self.processes {
-            let values = process.program.kind().map(ConfiguredKind::unusual);
+            let values = process.program.kind().map(|kind| kind.unusual());
             found.extend(of_place(&process.name, values.unwrap_or_default()));
         }
         for event in &self.events {

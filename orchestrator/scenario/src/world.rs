@@ -75,25 +75,25 @@ pub struct MapSetup {
 pub fn resolve(ctx: &mut Context<'_>, base: &Base) -> Option<MapSetup> {
     let world = FieldPath::key("world");
     let Some(node) = ctx.root.get("world").cloned() else {
-        let problem = ctx
-            .block_problem(
+        ctx.problems.push(
+            ctx.block_problem(
                 ctx.root.origin,
                 &world,
                 Code::MissingKey,
                 "missing table `[world]`",
             )
-            .expected("[world] with map = \"path/of/a/map.toml\"");
-        ctx.problems.push(problem);
+            .expected("[world] with map = \"path/of/a/map.toml\""),
+        );
         return None;
     };
     let block: WorldBlock = ctx.read(&node, &world)?;
     ctx.check_section("world", &block);
     let path = world.then("map");
     let Some(map_node) = node.get("map") else {
-        let problem = ctx
-            .block_problem(node.origin, &path, Code::MissingKey, "missing key `map`")
-            .expected("map = \"path/of/a/map.toml\", or [world.map.vector]");
-        ctx.problems.push(problem);
+        ctx.problems.push(
+            ctx.block_problem(node.origin, &path, Code::MissingKey, "missing key `map`")
+                .expected("map = \"path/of/a/map.toml\", or [world.map.vector]"),
+        );
         return None;
     };
     let spec: MapSpec = ctx.read(map_node, &path)?;
@@ -123,10 +123,10 @@ pub fn resolve(ctx: &mut Context<'_>, base: &Base) -> Option<MapSetup> {
     if let Some(resolution) = block.resolution {
         let MapSpec::Vector(vectors) = &mut map else {
             let message = "a grid map has its own resolution";
-            let problem = ctx
-                .problem(&node, &world, "resolution", Code::Requirement, message)
-                .expected("no resolution beside a grid map");
-            ctx.problems.push(problem);
+            ctx.problems.push(
+                ctx.problem(&node, &world, "resolution", Code::Requirement, message)
+                    .expected("no resolution beside a grid map"),
+            );
             return None;
         };
         vectors.resolution = resolution;
@@ -162,8 +162,8 @@ fn check_size(ctx: &mut Context<'_>, node: &Node, map: &MapSpec) -> Option<()> {
         return Some(());
     }
     let world = FieldPath::key("world");
-    let problem = ctx
-        .problem(
+    ctx.problems.push(
+        ctx.problem(
             node,
             &world,
             "map",
@@ -172,8 +172,8 @@ fn check_size(ctx: &mut Context<'_>, node: &Node, map: &MapSpec) -> Option<()> {
         )
         .value(format!("{} × {} cells", frame.width, frame.height))
         .expected(format!("at most {MAX_CELLS} cells"))
-        .help("set a coarser world.resolution");
-    ctx.problems.push(problem);
+        .help("set a coarser world.resolution"),
+    );
     None
 }
 
@@ -382,17 +382,17 @@ fn check_vectors(ctx: &mut Context<'_>, node: &Node, path: &FieldPath, map: &Vec
                 }
                 _ => (format!("obstacles[{index}].shape"), Code::Geometry),
             };
-            let problem = ctx.problem(node, path, &field, code, source.to_string());
-            ctx.problems.push(problem);
+            ctx.problems
+                .push(ctx.problem(node, path, &field, code, source.to_string()));
         }
         VectorMapError::DuplicateName {
             ref name, second, ..
         } => {
             let field = format!("obstacles[{second}].name");
-            let problem = ctx
-                .problem(node, path, &field, Code::Duplicate, found.to_string())
-                .value(format!("{name:?}"));
-            ctx.problems.push(problem);
+            ctx.problems.push(
+                ctx.problem(node, path, &field, Code::Duplicate, found.to_string())
+                    .value(format!("{name:?}")),
+            );
         }
     }
     false

@@ -96,17 +96,6 @@ impl Base {
         }
     }
 
-    /// Reads a text file of at most `max` bytes.
-    ///
-    /// # Errors
-    /// As [`Base::find`] and [`read_text`].
-    pub fn read_text(&self, path: &str, max: u64) -> Result<String, PathRefusal> {
-        match self.find(path)? {
-            ScenarioFile::Disk(real) => read_text(&real, max),
-            ScenarioFile::Text(text) => Ok(text.to_owned()),
-        }
-    }
-
     /// Finds the file that a path in the scenario refers to.
     ///
     /// # Errors

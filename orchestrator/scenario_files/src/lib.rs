@@ -1,6 +1,4 @@
-//! Sources of scenarios: the scenarios and maps compiled into the program, the files that a scenario may read, and former names in
-//! scenarios.
+//! Sources of scenarios: the scenarios and maps compiled into the program, and the files that a scenario may read.
 
 pub mod builtin;
 pub mod files;
-pub mod renamed;

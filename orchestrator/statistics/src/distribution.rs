@@ -116,21 +116,6 @@ impl Distribution {
             .collect();
         LogHistogram { first, counts }
     }
-
-    /// Returns the points of the cumulative distribution: time (µs) and the share of measurements that are at
-    /// most that long, for every bin of the histogram.
-    pub fn shares(&self) -> Vec<(f64, f64)> {
-        let all = self.count().max(1) as f64;
-        let mut below = 0;
-        let values = self.histogram.iter_recorded();
-        values
-            .map(|value| {
-                below += value.count_since_last_iteration();
-                let ns = value.value_iterated_to().min(self.max);
-                (microseconds(ns), below as f64 / all)
-            })
-            .collect()
-    }
 }
 
 /// Distributions by name.
@@ -214,9 +199,6 @@ mod tests {
                 let exact = values[rank.max(1) - 1] as f64 / 1e3;
                 prop_assert!((distribution.at(share) - exact).abs() <= 2e-3 * exact + 1e-3);
             }
-            let shares = distribution.shares();
-            prop_assert!(shares.is_sorted_by(|a, b| a.0 <= b.0 && a.1 <= b.1));
-            prop_assert_eq!(shares.last().map(|s| s.1), Some(1.0));
             let histogram = distribution.log_histogram(8);
             prop_assert_eq!(histogram.counts.iter().sum::<u64>(), values.len() as u64);
         }

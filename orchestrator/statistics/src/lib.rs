@@ -11,7 +11,6 @@ mod distribution;
 mod interval;
 mod mean;
 mod sample;
-mod spread;
 mod wilson;
 
 pub use distribution::{Distribution, Distributions, LogHistogram, Percentiles};
@@ -19,5 +18,4 @@ pub use interval::Interval;
 pub use mean::Mean;
 pub use metrics::quantile::quantile;
 pub use sample::Sample;
-pub use spread::{Spread, paired_ratio};
 pub use wilson::{Z95, wilson};

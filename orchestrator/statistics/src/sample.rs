@@ -47,11 +47,6 @@ impl Sample {
         }
     }
 
-    /// Returns the number of groups (games).
-    pub fn groups(&self) -> u64 {
-        self.groups
-    }
-
     /// Returns the number of hits (escaped evaders).
     pub fn hits(&self) -> u64 {
         self.hits
@@ -160,10 +155,7 @@ mod tests {
         assert_eq!((sample.share(), sample.effective_size()), (None, 0.0));
         assert_eq!(sample.interval(Z95), Interval::UNIT);
         let sample: Sample = [(7, 2)].into_iter().collect();
-        assert_eq!(
-            (sample.hits(), sample.members(), sample.groups()),
-            (2, 2, 1)
-        );
+        assert_eq!((sample.hits(), sample.members(), sample.groups), (2, 2, 1));
     }
 
     fn groups() -> impl Strategy<Value = Vec<(u32, u32)>> {

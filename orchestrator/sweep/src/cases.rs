@@ -17,7 +17,7 @@ pub struct Case {
 }
 
 /// A case during reading.
-pub(super) struct CaseDraft<D> {
+pub struct CaseDraft<D> {
     pub case: Case,
     pub target: String,
     pub draft: D,
@@ -29,7 +29,7 @@ pub(super) struct CaseDraft<D> {
 ///
 /// `open` opens the target of a case, given its block, and returns target and draft. `name_of`
 /// returns the name of the case of this target in an experiment without `[[cases]]`.
-pub(super) fn read_cases<D>(
+pub fn read_cases<D>(
     reader: &mut Reader,
     open: impl Fn(&mut Reader, Option<(&FieldPath, &Node)>) -> Option<(String, D)>,
     name_of: impl FnOnce(&str) -> String,

@@ -88,7 +88,7 @@ impl<S> std::fmt::Debug for Cell<S> {
 }
 
 /// Describes a combination: `case potential, relative_speed = 1.5`.
-pub(super) fn describe(case: &str, names: &[&str], values: &[Value]) -> String {
+pub fn describe(case: &str, names: &[&str], values: &[Value]) -> String {
     let mut text = format!("case {case}");
     for (name, value) in names.iter().zip(values) {
         text.push_str(&format!(", {name} = {value}"));

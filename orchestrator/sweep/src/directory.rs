@@ -14,7 +14,7 @@ use super::kind::Kind;
 use super::manifest::{FORMAT, Manifest};
 
 /// Name of the manifest.
-pub(super) const MANIFEST: &str = "manifest.json";
+pub const MANIFEST: &str = "manifest.json";
 /// Name of the file that a running sweep locks.
 const LOCK: &str = "lock";
 
@@ -33,7 +33,7 @@ pub fn kind_of(directory: &Path) -> Result<Kind, SweepError> {
 
 /// A lock of a directory of results, until this is dropped.
 #[derive(Debug)]
-pub(super) struct Lock {
+pub struct Lock {
     file: File,
     /// Remark for the user if the file system of the directory has no locks.
     pub(super) remark: Option<String>,
@@ -51,7 +51,7 @@ impl Drop for Lock {
 ///
 /// # Errors
 /// [`SweepError::InUse`] if another sweep uses it.
-pub(super) fn lock(directory: &Path) -> Result<Lock, SweepError> {
+pub fn lock(directory: &Path) -> Result<Lock, SweepError> {
     let path = directory.join(LOCK);
     let mut options = OpenOptions::new();
     options.create(true).write(true);
@@ -71,7 +71,7 @@ pub(super) fn lock(directory: &Path) -> Result<Lock, SweepError> {
 ///
 /// # Errors
 /// [`SweepError`] if it is damaged or has another format.
-pub(super) fn read_manifest(directory: &Path) -> Result<Option<Manifest>, SweepError> {
+pub fn read_manifest(directory: &Path) -> Result<Option<Manifest>, SweepError> {
     let path = directory.join(MANIFEST);
     let found = unless_absent(std::fs::read(&path));
     let Some(text) = found.map_err(SweepError::io(&path, "cannot be read"))? else {
@@ -109,7 +109,7 @@ pub(super) fn read_manifest(directory: &Path) -> Result<Option<Manifest>, SweepE
 ///
 /// # Errors
 /// [`SweepError`] if it cannot be written.
-pub(super) fn write_manifest(directory: &Path, manifest: &Manifest) -> Result<(), SweepError> {
+pub fn write_manifest(directory: &Path, manifest: &Manifest) -> Result<(), SweepError> {
     let path = directory.join(MANIFEST);
     let mut text = serde_json::to_vec_pretty(manifest)
         .map_err(|e| SweepError::io(&path, "cannot be written")(e.into()))?;
@@ -121,7 +121,7 @@ pub(super) fn write_manifest(directory: &Path, manifest: &Manifest) -> Result<()
 ///
 /// # Errors
 /// [`SweepError`] if it cannot be written.
-pub(super) fn replace(path: &Path, bytes: &[u8]) -> Result<(), SweepError> {
+pub fn replace(path: &Path, bytes: &[u8]) -> Result<(), SweepError> {
     replace_with(path, |mut file| file.write_all(bytes).map(|()| file))
 }
 
@@ -129,7 +129,7 @@ pub(super) fn replace(path: &Path, bytes: &[u8]) -> Result<(), SweepError> {
 ///
 /// # Errors
 /// [`SweepError`] if it cannot be written.
-pub(super) fn replace_with(
+pub fn replace_with(
     path: &Path,
     write: impl FnOnce(AtomicFile) -> io::Result<AtomicFile>,
 ) -> Result<(), SweepError> {

@@ -20,7 +20,7 @@ use platform::file_kind::FileKind;
 use scenario::files::read_text;
 
 /// Maximum size of an experiment file (bytes).
-pub(super) const MAX_FILE: u64 = 1 << 20;
+pub const MAX_FILE: u64 = 1 << 20;
 
 /// A column of the results.
 #[derive(Debug, Clone, PartialEq, Eq)]

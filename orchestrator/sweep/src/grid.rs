@@ -9,17 +9,14 @@ use super::spec::MAX_CELLS;
 
 /// A value and its location.
 #[derive(Debug, Clone)]
-pub(super) struct LocatedValue {
+pub struct LocatedValue {
     pub value: Value,
     pub node: Node,
 }
 
 /// Returns the combinations in order, each with a value for every parameter; one empty combination
 /// if there are no parameters. `None` after a reported problem.
-pub(super) fn read(
-    reader: &mut Reader,
-    parameters: &[Parameter],
-) -> Option<Vec<Vec<LocatedValue>>> {
+pub fn read(reader: &mut Reader, parameters: &[Parameter]) -> Option<Vec<Vec<LocatedValue>>> {
     if reader.root.get("grid").is_none() {
         if let Some(parameter) = parameters.first() {
             let message = format!("parameter `{}` is not in the grid", parameter.name);

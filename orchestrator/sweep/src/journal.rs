@@ -17,7 +17,7 @@ use super::error::SweepError;
 use super::row::Row;
 
 /// Name of the file.
-pub(super) const FILE: &str = "journal.jsonl";
+pub const FILE: &str = "journal.jsonl";
 
 /// First key of a line, up to its value.
 const CHECK: &str = "\"check\":\"";
@@ -27,7 +27,7 @@ const CHECK_DIGITS: usize = 16;
 /// A line.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Entry<R = Row> {
+pub struct Entry<R = Row> {
     /// Index of the cell.
     pub cell: usize,
     /// Seed.
@@ -42,13 +42,13 @@ pub(super) struct Entry<R = Row> {
 }
 
 /// Writer that appends to the journal.
-pub(super) struct Journal {
+pub struct Journal {
     file: File,
     path: PathBuf,
 }
 
 /// Content of a journal at opening.
-pub(super) struct JournalContent<R = Row> {
+pub struct JournalContent<R = Row> {
     pub journal: Journal,
     pub entries: Vec<Entry<R>>,
     /// Numbers of the lines that were incomplete or changed, and have been removed.

@@ -12,6 +12,6 @@ pub struct MissionId {
 }
 
 /// Returns all missions, in the order of the results.
-pub(super) fn missions(cells: usize, seeds: &Seeds) -> impl Iterator<Item = MissionId> {
+pub fn missions(cells: usize, seeds: &Seeds) -> impl Iterator<Item = MissionId> {
     (0..cells).flat_map(|cell| seeds.iter().map(move |seed| MissionId { cell, seed }))
 }

@@ -11,7 +11,7 @@ use scenario::Draft;
 
 /// A parameter that is varied.
 #[derive(Debug, Clone)]
-pub(super) struct Parameter {
+pub struct Parameter {
     /// Name of its column.
     pub name: String,
     /// Title, with the unit.
@@ -39,7 +39,7 @@ enum Scale {
 }
 
 /// Reads all parameters; `is_taken` tells the names of other columns of the results.
-pub(super) fn read(reader: &mut Reader, is_taken: fn(&str) -> bool) -> Vec<Parameter> {
+pub fn read(reader: &mut Reader, is_taken: fn(&str) -> bool) -> Vec<Parameter> {
     let tables = reader.table("parameters");
     tables
         .into_iter()
@@ -226,7 +226,7 @@ impl Parameter {
 
 /// A missing factor.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct ScaleError {
+pub struct ScaleError {
     /// Key that must contain it.
     pub key: String,
     /// Actual value.

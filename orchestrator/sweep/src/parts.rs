@@ -9,7 +9,7 @@ use super::seeds::Seeds;
 use super::spec::{FigureSpec, MAX_MISSIONS, MAX_NAME, RunSpec, SeedsSpec};
 
 /// Checks a name: it becomes the name of a directory, and part of file names.
-pub(super) fn check_name(reader: &mut Reader, path: &FieldPath, name: &str) {
+pub fn check_name(reader: &mut Reader, path: &FieldPath, name: &str) {
     let plain = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
     if !(1..=MAX_NAME).contains(&name.len()) || !name.chars().all(plain) {
         let message = format!("`{name}` cannot be a name");
@@ -18,7 +18,7 @@ pub(super) fn check_name(reader: &mut Reader, path: &FieldPath, name: &str) {
     }
 }
 
-pub(super) fn read_seeds(reader: &mut Reader, options: &LoadOptions) -> Option<Seeds> {
+pub fn read_seeds(reader: &mut Reader, options: &LoadOptions) -> Option<Seeds> {
     const FORM: &str = "{ first = 1, count = 200 }";
     let path = FieldPath::key("seeds");
     let read = match reader.root.get("seeds").cloned() {
@@ -49,7 +49,7 @@ pub(super) fn read_seeds(reader: &mut Reader, options: &LoadOptions) -> Option<S
     Some(seeds)
 }
 
-pub(super) fn read_run(reader: &mut Reader) -> Option<RunSpec> {
+pub fn read_run(reader: &mut Reader) -> Option<RunSpec> {
     let path = FieldPath::key("run");
     let Some(node) = reader.root.get("run").cloned() else {
         return Some(RunSpec::default());
@@ -59,10 +59,7 @@ pub(super) fn read_run(reader: &mut Reader) -> Option<RunSpec> {
     Some(run)
 }
 
-pub(super) fn read_figures(
-    reader: &mut Reader,
-    parameters: &[Parameter],
-) -> Option<Vec<FigureSpec>> {
+pub fn read_figures(reader: &mut Reader, parameters: &[Parameter]) -> Option<Vec<FigureSpec>> {
     let names: Vec<&str> = parameters.iter().map(|p| p.name.as_str()).collect();
     let mut figures: Vec<FigureSpec> = Vec::new();
     let mut complete = true;

@@ -9,7 +9,7 @@ use mission::MissionReport;
 use recorder::{CoverageOutcome, PatrolOutcome, PredictionOutcome, RobotOutcome, Summary};
 
 /// Name of the files of the table with one row per mission.
-pub(super) const RESULTS: &str = "results";
+pub const RESULTS: &str = "results";
 
 /// A row of results. It does not depend on the machine or on the engine.
 pub trait Record: Clone + PartialEq + Serialize + DeserializeOwned + Send + 'static {

@@ -1,8 +1,9 @@
 //! The declarations of experiment files: as a JSON Schema for editors, and as tables for the
 //! reference.
 
-use parameters::{Reference, for_people, schema_generator};
-use schemars::Schema;
+use parameters::{for_people, schema_generator};
+use scenario::schema::Section;
+use schemars::{Schema, SchemaGenerator};
 
 use super::columns::ResultTable;
 use super::planning::PlanRow;
@@ -18,17 +19,23 @@ pub fn schema() -> Schema {
     schema
 }
 
-/// Returns the keys of an experiment file as tables in Markdown.
-pub fn reference() -> String {
-    let mut reference = Reference::default();
-    reference.section::<TopLevel>("Top level");
-    reference.section::<SeedsSpec>("`seeds`");
-    reference.section::<CaseSpec>("`[[cases]]`");
-    reference.section::<ParameterSpec>("`[parameters.NAME]`");
-    reference.section::<RunSpec>("`[run]`");
-    reference.section::<FigureSpec>("`[[figures]]`");
-    reference.section::<Task>("`[task]`");
-    reference.markdown()
+/// Returns the parts of an experiment file that have a section of the reference: its heading, and the schema.
+pub fn sections() -> [Section; 7] {
+    [
+        ("Top level", SchemaGenerator::subschema_for::<TopLevel>),
+        ("`seeds`", SchemaGenerator::subschema_for::<SeedsSpec>),
+        ("`[[cases]]`", SchemaGenerator::subschema_for::<CaseSpec>),
+        (
+            "`[parameters.NAME]`",
+            SchemaGenerator::subschema_for::<ParameterSpec>,
+        ),
+        ("`[run]`", SchemaGenerator::subschema_for::<RunSpec>),
+        (
+            "`[[figures]]`",
+            SchemaGenerator::subschema_for::<FigureSpec>,
+        ),
+        ("`[task]`", SchemaGenerator::subschema_for::<Task>),
+    ]
 }
 
 /// Returns the columns of the tables of results as tables in Markdown.

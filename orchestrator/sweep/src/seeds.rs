@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 /// Maximum number of missions (cells times seeds) of one experiment.
 pub const MAX_MISSIONS: usize = 1_000_000;
 /// Maximum seed of a scenario.
-pub(super) const MAX_SEED: u64 = i64::MAX as u64;
+pub const MAX_SEED: u64 = i64::MAX as u64;
 
 /// A set of seeds, in ascending order.
 ///

@@ -35,10 +35,6 @@ pub enum Pinning {
 
 /// Subject of a cell of an experiment: the type defines how a file is read and a mission is
 /// executed.
-#[expect(
-    private_interfaces,
-    reason = "the parts of an experiment file are read inside this crate"
-)]
 pub trait Subject: Clone + Sync {
     /// Result of a mission.
     type Row: Record;

@@ -13,7 +13,7 @@ use super::mission_id::MissionId;
 use super::row::Record;
 
 /// Returns `true` if a table of these rows has a column of this name, so that no parameter can.
-pub(super) fn is_taken<R: Record>(name: &str) -> bool {
+pub fn is_taken<R: Record>(name: &str) -> bool {
     let tables = R::TABLES.iter();
     let mut columns = tables.flat_map(ResultTable::columns);
     ["case", "seed"].contains(&name) || columns.any(|column| column.name() == name)
@@ -26,7 +26,7 @@ pub(super) fn is_taken<R: Record>(name: &str) -> bool {
 ///
 /// # Errors
 /// The error of the writer.
-pub(super) fn write<'a, R: Record + 'a, W: Write + Send + 'static>(
+pub fn write<'a, R: Record + 'a, W: Write + Send + 'static>(
     table: &ResultTable<R>,
     format: Format,
     file: W,

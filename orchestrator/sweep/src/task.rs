@@ -19,7 +19,7 @@ pub struct Task {
 
 /// Fault of a key of a task.
 #[derive(Debug, thiserror::Error)]
-pub(crate) enum DraftError {
+pub enum DraftError {
     /// Form of a setting.
     #[error("expected {0}")]
     Form(&'static str),
@@ -33,7 +33,7 @@ pub(crate) enum DraftError {
 
 /// A task during the setting of its keys.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Draft(toml::Table);
+pub struct Draft(toml::Table);
 
 impl Draft {
     /// Applies `key.key=value`.

@@ -57,7 +57,7 @@ impl FromStr for Measure {
 /// Returns the worst missions that did not fail, at most three of each cell, the worst of all first, each with its
 /// reason. Without a measure these are the missions at the time limit, then those with contacts: with more contacts
 /// first, then with a longer simulated time.
-pub(super) fn worst(results: &Results, measure: Option<Measure>) -> Vec<(MissionId, String)> {
+pub fn worst(results: &Results, measure: Option<Measure>) -> Vec<(MissionId, String)> {
     let mut found: Vec<_> = results
         .rows()
         .filter(|(_, row)| !row.is_failed())

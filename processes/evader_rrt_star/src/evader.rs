@@ -18,7 +18,7 @@ use crate::collision_map::{Body, CollisionMap};
 use crate::cost::{CostModel, Pursuer};
 use crate::follow;
 use crate::params::{Follower, ReplanRule, RrtStarParams};
-use crate::planning::{Planning, Task};
+use crate::planning::{self, Planning, Task};
 use crate::replan::{is_threatened, papers_safety};
 use crate::route::Route;
 use crate::tree::NONE;
@@ -75,7 +75,7 @@ pub struct RrtStarEvader {
     params: RrtStarParams,
     field: EvaderParams,
     limits: Limits,
-    planning: Planning,
+    planning: Box<dyn Planning>,
     cost: CostModel,
     pursuers: Vec<Pursuer>,
     bodies: Vec<Body>,
@@ -115,7 +115,7 @@ impl RrtStarEvader {
             params,
             field,
             limits,
-            planning: Planning::new(&params, &limits, seed),
+            planning: planning::for_robot(&params, &limits, seed),
             cost: CostModel::new(params.cost, params.search.algorithm, limits.v_max()),
             pursuers: Vec::new(),
             bodies: Vec::new(),

@@ -14,20 +14,12 @@ use crate::cost::CostModel;
 use crate::motion::{Arcs, Motion, Straight};
 use crate::params::{Algorithm, Follower, Primitive, RrtStarParams};
 use crate::route::Route;
-use crate::search::{Progress, Scene, Search};
+use crate::search::{Scene, Search};
 use crate::tree::Tree;
 
 /// Maximum bearing of an arc's end from the heading at its start (rad): half of the largest turn in
 /// one arc.
 const MAX_BEARING: f64 = core::f64::consts::FRAC_PI_4;
-
-/// A search with either primitive.
-trait Engine: core::fmt::Debug + Send {
-    fn plan(&mut self, task: &Task<'_>) -> Option<Route>;
-    fn progress(&self) -> Progress;
-    fn tree(&self) -> &Tree;
-    fn is_on_way(&self, node: u32) -> bool;
-}
 
 /// Planning task.
 #[derive(Debug, Clone, Copy)]
@@ -51,59 +43,42 @@ pub struct Task<'a> {
 }
 
 /// Plans one route after the other, each with the reusable part of the last tree.
-#[derive(Debug)]
-pub struct Planning {
-    engine: Box<dyn Engine>,
-}
-
-impl Planning {
-    /// Returns a planner for a robot with these limits; all random values follow from the seed.
-    pub fn new(params: &RrtStarParams, limits: &Limits, seed: u64) -> Self {
-        let engine: Box<dyn Engine> = match params.primitive {
-            Primitive::Line => Box::new(Search::new(params.search, Straight, seed)),
-            Primitive::Arc => {
-                let cap = match params.follower {
-                    Follower::PurePursuit => TrackingParams::default().omega_cap,
-                    Follower::PotentialField => params.follower.field().feedback.omega_cap,
-                };
-                let cap = cap.unwrap_or(f64::INFINITY);
-                let arcs = Arcs {
-                    min_radius: params
-                        .arc
-                        .min_radius
-                        .unwrap_or(limits.v_max() / limits.omega_max().min(cap)),
-                    max_bearing: MAX_BEARING,
-                    free_start: params.search.algorithm == Algorithm::Improved,
-                };
-                Box::new(Search::new(params.search, arcs, seed))
-            }
-        };
-        Self { engine }
-    }
-
+pub trait Planning: core::fmt::Debug + Send {
     /// Returns the best route found: to a goal, or as near to one as possible; `None` without a
     /// single step.
-    pub fn plan(&mut self, task: &Task<'_>) -> Option<Route> {
-        self.engine.plan(task)
-    }
-
-    /// Returns the progress of the last plan.
-    pub fn progress(&self) -> Progress {
-        self.engine.progress()
-    }
+    fn plan(&mut self, task: &Task<'_>) -> Option<Route>;
 
     /// The tree of the last plan.
-    pub fn tree(&self) -> &Tree {
-        self.engine.tree()
-    }
+    fn tree(&self) -> &Tree;
 
     /// Returns `true` if a node of the tree is on the last plan's path to a goal.
-    pub fn is_on_way(&self, node: u32) -> bool {
-        self.engine.is_on_way(node)
+    fn is_on_way(&self, node: u32) -> bool;
+}
+
+/// Returns the planning of a robot with these limits; all random values follow from the seed.
+pub fn for_robot(params: &RrtStarParams, limits: &Limits, seed: u64) -> Box<dyn Planning> {
+    match params.primitive {
+        Primitive::Line => Box::new(Search::new(params.search, Straight, seed)),
+        Primitive::Arc => {
+            let cap = match params.follower {
+                Follower::PurePursuit => TrackingParams::default().omega_cap,
+                Follower::PotentialField => params.follower.field().feedback.omega_cap,
+            };
+            let cap = cap.unwrap_or(f64::INFINITY);
+            let arcs = Arcs {
+                min_radius: params
+                    .arc
+                    .min_radius
+                    .unwrap_or(limits.v_max() / limits.omega_max().min(cap)),
+                max_bearing: MAX_BEARING,
+                free_start: params.search.algorithm == Algorithm::Improved,
+            };
+            Box::new(Search::new(params.search, arcs, seed))
+        }
     }
 }
 
-impl<M: Motion + core::fmt::Debug + Send> Engine for Search<M> {
+impl<M: Motion + core::fmt::Debug + Send> Planning for Search<M> {
     fn plan(&mut self, task: &Task<'_>) -> Option<Route> {
         let scene = Scene {
             space: &task.collision_map.space,
@@ -121,10 +96,6 @@ impl<M: Motion + core::fmt::Debug + Send> Engine for Search<M> {
         self.replant(&scene, task.start, task.goals, bound, task.map_changed);
         self.run(&scene, task.iterations);
         Route::new(self.way(), true).or_else(|| Route::new(self.partial_way(), false))
-    }
-
-    fn progress(&self) -> Progress {
-        Search::progress(self)
     }
 
     fn tree(&self) -> &Tree {

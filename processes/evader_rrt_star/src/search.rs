@@ -47,19 +47,6 @@ impl Scene<'_> {
     }
 }
 
-/// Progress of a search.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Progress {
-    /// Iterations since the start at this root.
-    pub iterations: u32,
-    /// Nodes of the tree, goals included.
-    pub nodes: usize,
-    /// Cost of the best path to a goal (m); infinite without one.
-    pub best: f64,
-    /// Iteration that found the first path.
-    pub first_found: Option<u32>,
-}
-
 /// Point of a found path.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Waypoint {
@@ -97,8 +84,6 @@ pub struct Search<M> {
     best: (f64, u32),
     /// Nodes on the best path, root first.
     way: Vec<u32>,
-    iterations: u32,
-    first_found: Option<u32>,
     /// γ of the shrinking radius for the whole free space (m).
     gamma: f64,
     /// Running share of free space in which samples are still useful.
@@ -128,8 +113,6 @@ impl<M: Motion> Search<M> {
             bound: Bound::default(),
             best: (f64::INFINITY, NONE),
             way: Vec::new(),
-            iterations: 0,
-            first_found: None,
             gamma: 0.0,
             useful: 1.0,
             pruned: (0, f64::INFINITY),
@@ -164,8 +147,6 @@ impl<M: Motion> Search<M> {
         self.bound = bound;
         self.best = (f64::INFINITY, NONE);
         self.way.clear();
-        self.iterations = 0;
-        self.first_found = None;
         self.useful = 1.0;
         self.pruned = (0, f64::INFINITY);
         // Karaman and Frazzoli 2011, theorem 38, in the plane: γ* = 2 √(1 + 1/2) √(area / π).
@@ -185,16 +166,6 @@ impl<M: Motion> Search<M> {
         }
         for _ in 0..iterations {
             self.iterate(scene);
-        }
-    }
-
-    /// Returns its progress.
-    pub fn progress(&self) -> Progress {
-        Progress {
-            iterations: self.iterations,
-            nodes: self.tree.len(),
-            best: self.best.0,
-            first_found: self.first_found,
         }
     }
 
@@ -278,9 +249,6 @@ impl<M: Motion> Search<M> {
         }
         self.best = cheapest;
         self.tree.way_to(cheapest.1, &mut self.way);
-        if self.first_found.is_none() {
-            self.first_found = Some(self.iterations);
-        }
         if self.is_improved() {
             self.straighten(scene);
         }

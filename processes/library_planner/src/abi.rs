@@ -1,4 +1,4 @@
-//! The interface between this program and a library, declared once; [`crate::header`] writes it in C.
+//! The interface between this program and a library, declared once; a test writes it in C, as `protean_planner.h`.
 
 use core::ffi::{c_char, c_void};
 
@@ -25,29 +25,15 @@ pub const LATER: u32 = 1;
 /// Bit of [`Topic::flags`]: one writer.
 pub const SOLE: u32 = 2;
 
-/// Flags by their names in the header and their bits.
-pub(crate) const FLAGS: [(&str, u32, &str); 2] = [
-    (
-        "PROTEAN_LATER",
-        LATER,
-        "the messages count in the next tick; readers do not wait for them",
-    ),
-    (
-        "PROTEAN_SOLE",
-        SOLE,
-        "only one process of a run may write the topic",
-    ),
-];
-
 /// Inputs by their names in the header and their bits.
-pub(crate) const INPUTS: [(&str, u32, &str); 3] = [
+pub const INPUTS: [(&str, u32, &str); 3] = [
     ("PROTEAN_BELIEFS", BELIEFS, "beliefs about the opponents"),
     ("PROTEAN_SCANS", SCANS, "range scans of the own robot"),
     ("PROTEAN_WAYS", WAYS, "shortest ways: protean_way"),
 ];
 
 /// Values of [`Robot::side`] by their names in the header.
-pub(crate) const SIDES: [(&str, u8, &str); 3] = [
+pub const SIDES: [(&str, u8, &str); 3] = [
     ("PROTEAN_OTHER", 0, "neither team-mate nor opponent"),
     ("PROTEAN_TEAM", 1, "of the own team: the own robot, too"),
     ("PROTEAN_OPPONENT", 2, "of a hostile team"),

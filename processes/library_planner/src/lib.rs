@@ -1,7 +1,6 @@
 //! Planners and processes in C and C++: shared libraries that `protean planner LIBRARY` loads as processes of a run.
 //!
-//! - `abi`: the interface, declared once in Rust; `c_types`: the declaration of C types; `c_structure`: their text;
-//! - [`header`]: the interface as the header `protean_planner.h`;
+//! - `abi`: the interface, declared once in Rust; `c_types`: the declaration of C types;
 //! - `library`: a loaded library, checked; `error`: faults of libraries;
 //! - `start_functions`, `tick_functions`: the functions that a library calls;
 //! - `robots`: the robots of a run in C; `topics`, `records`: its topics and their messages;
@@ -14,11 +13,9 @@
 
 #[expect(clippy::doc_markdown, reason = "the comments are those of the header")]
 mod abi;
-mod c_structure;
 mod c_types;
 mod entry;
 mod error;
-pub mod header;
 mod library;
 mod params;
 mod process;

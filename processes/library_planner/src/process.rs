@@ -118,7 +118,7 @@ fn names(params: &LibraryParams) -> Vec<String> {
 
 /// Rules of a run.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Rules<'a> {
+pub struct Rules<'a> {
     /// Centres of the exits.
     pub exits: &'a [Point],
     /// Distance of a capture (m); 0 without captures.
@@ -127,7 +127,7 @@ pub(crate) struct Rules<'a> {
 
 /// A planner, or a process, that a library has created.
 #[derive(Debug)]
-pub(crate) struct LibraryInstance {
+pub struct LibraryInstance {
     pub library: Library,
     pub planner: *mut c_void,
     robots: Robots,

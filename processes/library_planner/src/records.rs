@@ -7,7 +7,7 @@ use crate::error::Unexpected;
 
 /// The messages of the topics that a library reads, in a tick.
 #[derive(Debug, Default)]
-pub(crate) struct Records {
+pub struct Records {
     topics: Vec<(&'static str, Vec<Message>)>,
     /// Bytes of headers and elements, aligned as numbers of any type.
     _words: Vec<Vec<u64>>,
@@ -61,7 +61,7 @@ impl Records {
 }
 
 /// Returns the error about a topic that a library has not declared.
-pub(crate) fn unknown(
+pub fn unknown(
     function: &str,
     topic: &str,
     known: impl Iterator<Item = &'static str>,

@@ -9,7 +9,7 @@ use crate::abi::{Point, Robot, SIDES};
 
 /// The robots of a run from the view of one of them, in the order of their indices.
 #[derive(Debug)]
-pub(crate) struct Robots {
+pub struct Robots {
     /// Names of the robots and of their teams, to which the robots refer.
     _names: Vec<[CString; 2]>,
     all: Vec<Robot>,

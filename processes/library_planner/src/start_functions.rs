@@ -11,7 +11,7 @@ use crate::abi::{Start, StartFunctions};
 use crate::error::{CallError, Unexpected};
 
 /// The functions of all starts.
-pub(crate) static FUNCTIONS: StartFunctions = StartFunctions {
+pub static FUNCTIONS: StartFunctions = StartFunctions {
     number,
     params,
     refuse,
@@ -19,7 +19,7 @@ pub(crate) static FUNCTIONS: StartFunctions = StartFunctions {
 
 /// The private part of a [`Start`].
 #[derive(Debug)]
-pub(crate) struct StartContext<'a> {
+pub struct StartContext<'a> {
     params: &'a Map<String, Json>,
     text: CString,
     requests: RefCell<Requests>,
@@ -102,7 +102,7 @@ unsafe fn context<'a>(start: *const Start) -> Option<&'a StartContext<'a>> {
 /// # Safety
 /// `text` is NULL or a string that ends with a zero byte.
 #[expect(unsafe_code, reason = "strings of the library are C strings")]
-pub(crate) unsafe fn text(text: *const c_char) -> String {
+pub unsafe fn text(text: *const c_char) -> String {
     if text.is_null() {
         return String::new();
     }

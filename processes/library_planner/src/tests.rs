@@ -2,13 +2,12 @@
 
 mod calls;
 mod files;
+pub(crate) mod header;
 mod topics;
 mod world;
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
-
-use crate::header;
 
 /// A folder with the header.
 fn folder() -> tempfile::TempDir {

@@ -19,7 +19,7 @@ use crate::records::{Records, unknown};
 use crate::start_functions::text;
 
 /// The functions of all ticks.
-pub(crate) static FUNCTIONS: TickFunctions = TickFunctions {
+pub static FUNCTIONS: TickFunctions = TickFunctions {
     clearance,
     free_run,
     line_is_clear,
@@ -39,7 +39,7 @@ const MAX_BEND: f64 = 0.25;
 
 /// The private part of a [`Tick`].
 #[derive(Debug)]
-pub(crate) struct TickContext<'a> {
+pub struct TickContext<'a> {
     /// The task of a planner; none in a process.
     pub task: Option<RobotTask<'a>>,
     /// Length of a tick (s).
@@ -56,7 +56,7 @@ pub(crate) struct TickContext<'a> {
 
 /// The robot of a planner in a tick, and its map.
 #[derive(Debug)]
-pub(crate) struct RobotTask<'a> {
+pub struct RobotTask<'a> {
     /// The map.
     pub map: &'a PlannerMap,
     /// The own robot.

@@ -19,7 +19,7 @@ const MAX_COUNT: usize = 256;
 ///
 /// # Errors
 /// [`Unexpected`] names the part of the table.
-pub(crate) fn reads(table: &PlannerTable) -> Result<Vec<String>, Unexpected> {
+pub fn reads(table: &PlannerTable) -> Result<Vec<String>, Unexpected> {
     let topics = array("reads", table.reads, table.read_count)?;
     Ok(topics.iter().map(|topic| string(topic.name)).collect())
 }
@@ -28,7 +28,7 @@ pub(crate) fn reads(table: &PlannerTable) -> Result<Vec<String>, Unexpected> {
 ///
 /// # Errors
 /// [`TableError`] names the part of the table, the topic and the field.
-pub(crate) fn declaration(table: &PlannerTable) -> Result<WrittenDeclaration, TableError> {
+pub fn declaration(table: &PlannerTable) -> Result<WrittenDeclaration, TableError> {
     let topics = array("writes", table.writes, table.write_count)?;
     let declared = WrittenDeclaration {
         reads: reads(table)?,
@@ -45,7 +45,7 @@ pub(crate) fn declaration(table: &PlannerTable) -> Result<WrittenDeclaration, Ta
 ///
 /// # Errors
 /// [`Unexpected`] names the topic and the field.
-pub(crate) fn check_reads(table: &PlannerTable) -> Result<(), Unexpected> {
+pub fn check_reads(table: &PlannerTable) -> Result<(), Unexpected> {
     let topics = array("reads", table.reads, table.read_count)?;
     topics.iter().try_for_each(compare)
 }

@@ -40,7 +40,7 @@ pub fn headed_for(steering: &Steering, out: &mut Vec<PlannedPoint>) {
 }
 
 /// Publishers for the results of a tick.
-pub(crate) struct Outputs<'a> {
+pub struct Outputs<'a> {
     pub(crate) commands: &'a Publisher<Commands>,
     pub(crate) plans: &'a Publisher<Plan>,
     pub(crate) trees: Option<&'a Publisher<Tree>>,

@@ -11,7 +11,7 @@ use sim_backend::world::World;
 use crate::event_schedule::{EventSchedule, PlannedChange};
 
 /// Future changes: those announced for a tick, and those of the event schedule.
-pub(crate) struct Obstacles {
+pub struct Obstacles {
     /// Changes by message, with their tick.
     announced: Vec<(u64, ObstacleEvent)>,
     event_schedule: EventSchedule,

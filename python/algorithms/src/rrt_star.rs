@@ -7,7 +7,7 @@ use evader_rrt_star::RrtStarParams;
 use evader_rrt_star::collision_map::CollisionMap;
 use evader_rrt_star::cost::{CostModel, Pursuer};
 use evader_rrt_star::params::MAX_ITERATIONS;
-use evader_rrt_star::planning::{Planning, Task};
+use evader_rrt_star::planning::{self, Task};
 use evader_rrt_star::tree::{NONE, Node};
 use geometry::pose::Pose2;
 use navigation::shortest_paths::free_end;
@@ -150,7 +150,7 @@ pub fn plan(
     let (route, nodes) = compute(py, move || {
         let mut collision_map = CollisionMap::new(&space, radius, revision);
         let towards = collision_map.towards(&goals);
-        let mut planning = Planning::new(&params, &limits, seed);
+        let mut planning = planning::for_robot(&params, &limits, seed);
         let route = planning.plan(&Task {
             collision_map: &collision_map,
             bodies: &[],

@@ -10,7 +10,7 @@ use python_algorithms::error::InvalidInput;
 
 /// Argument of a planner, by its name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Argument {
+pub enum Argument {
     /// Its robot.
     Robot,
     /// All robots, exits and the time.

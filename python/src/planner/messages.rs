@@ -6,7 +6,7 @@ use pyo3::types::{PyBytes, PyDict, PyList, PyTuple};
 use runtime::raw_inputs::RawInputs;
 
 /// Returns the messages of a tick: a list of (header, elements) for each topic.
-pub(super) fn messages(py: Python<'_>, inputs: &RawInputs) -> PyResult<Py<PyDict>> {
+pub fn messages(py: Python<'_>, inputs: &RawInputs) -> PyResult<Py<PyDict>> {
     let all = PyDict::new(py);
     let message = py.import("protean_robotics._process")?.getattr("Message")?;
     for input in inputs.topics() {
@@ -24,7 +24,7 @@ pub(super) fn messages(py: Python<'_>, inputs: &RawInputs) -> PyResult<Py<PyDict
 }
 
 /// Returns the structured type of a message in NumPy.
-pub(super) fn dtype<'py>(py: Python<'py>, of: &Descriptor) -> PyResult<Bound<'py, PyAny>> {
+pub fn dtype<'py>(py: Python<'py>, of: &Descriptor) -> PyResult<Bound<'py, PyAny>> {
     let number = |ros: &str| {
         let bits: usize = ros
             .trim_start_matches(|c: char| !c.is_ascii_digit())

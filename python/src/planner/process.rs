@@ -200,7 +200,7 @@ impl PythonPlanner {
 }
 
 /// Returns the parameters of the scenario as a dict.
-pub(super) fn params(py: Python<'_>, values: &Json) -> PyResult<Py<PyAny>> {
+pub fn params(py: Python<'_>, values: &Json) -> PyResult<Py<PyAny>> {
     let values = match values {
         Json::Null => "{}".to_owned(),
         values => values.to_string(),
@@ -212,7 +212,7 @@ pub(super) fn params(py: Python<'_>, values: &Json) -> PyResult<Py<PyAny>> {
 }
 
 /// Returns a generator of random numbers.
-pub(super) fn generator(py: Python<'_>, seed: u64) -> PyResult<Py<PyAny>> {
+pub fn generator(py: Python<'_>, seed: u64) -> PyResult<Py<PyAny>> {
     let random = py.import("numpy.random")?;
     let bits = random.call_method1("PCG64", (seed,))?;
     Ok(random.call_method1("Generator", (bits,))?.unbind())

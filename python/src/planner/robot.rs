@@ -154,11 +154,6 @@ impl Robot {
     pub(super) fn team(&self) -> &str {
         &self.team
     }
-
-    /// Returns the position (m).
-    pub fn point(&self) -> Point2<f64> {
-        self.pose.position()
-    }
 }
 
 /// Command that drives a robot to a point: it turns towards the point, then drives the arc that leads to it (pure

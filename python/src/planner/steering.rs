@@ -65,7 +65,7 @@ impl PySteering {
 
 /// Command of a tick, as a planner returns it: two numbers, or a [`PySteering`].
 #[derive(Debug)]
-pub(super) struct Command {
+pub struct Command {
     pub(super) v: f64,
     pub(super) omega: f64,
     pub(super) target: Option<usize>,

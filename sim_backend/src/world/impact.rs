@@ -9,7 +9,7 @@ const SKIN: f64 = 1e-7;
 /// Gap (m) below which advancement ends.
 const HIT: f64 = 1.5 * SKIN;
 /// Gap (m) below which bodies touch.
-pub(super) const TOUCH: f64 = 2.0 * SKIN;
+pub const TOUCH: f64 = 2.0 * SKIN;
 /// Closing speed, relative to the speed, below which motion counts as along a surface.
 const ALONG: f64 = 1e-10;
 /// Maximum number of steps of one advancement; after them the robot stops short, which is safe.
@@ -17,7 +17,7 @@ const MAX_ADVANCES: usize = 64;
 
 /// A robot with a possible contact in this step.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Mover {
+pub struct Mover {
     pub robot: usize,
     pub radius: f64,
     pub position: Point2<f64>,
@@ -30,13 +30,13 @@ pub(super) struct Mover {
 }
 
 /// Returns `true` if a velocity does not lead into the surface with this normal.
-pub(super) fn leads_away(velocity: Vector2<f64>, normal: Vector2<f64>) -> bool {
+pub fn leads_away(velocity: Vector2<f64>, normal: Vector2<f64>) -> bool {
     velocity.dot(&normal) >= -ALONG * velocity.norm()
 }
 
 /// The velocity nearest to the desired one that leads into none of the surfaces: the velocity
 /// itself, its part along one of them, or zero.
-pub(super) fn slide(desired: Vector2<f64>, normals: &[Vector2<f64>]) -> Vector2<f64> {
+pub fn slide(desired: Vector2<f64>, normals: &[Vector2<f64>]) -> Vector2<f64> {
     if normals.iter().all(|n| leads_away(desired, *n)) {
         return desired;
     }
@@ -65,7 +65,7 @@ pub(super) fn slide(desired: Vector2<f64>, normals: &[Vector2<f64>]) -> Vector2<
 /// the line across the normal, so the path to that line is free of it. Along flat walls this takes
 /// one step. At corners and discs it is Newton's method on a convex function, which never
 /// overshoots.
-pub(super) fn sweep(
+pub fn sweep(
     map: &WorldMap,
     mover: &Mover,
     dir: Vector2<f64>,
@@ -122,7 +122,7 @@ pub(super) fn sweep(
 
 /// Time (s) until two movers' discs come within the skin of each other at their current velocities;
 /// infinite if they do not, or if they touch already without closing.
-pub(super) fn time_to_impact(a: &Mover, b: &Mover) -> f64 {
+pub fn time_to_impact(a: &Mover, b: &Mover) -> f64 {
     let (offset, velocity) = (a.position - b.position, a.velocity - b.velocity);
     let closing = -offset.dot(&velocity);
     let speed_squared = velocity.norm_squared();

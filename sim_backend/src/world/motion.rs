@@ -28,7 +28,7 @@ const MAX_CHORDS: f64 = 512.0;
 
 /// Contacts of a robot in a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(super) struct Touch {
+pub struct Touch {
     /// An obstacle blocked it during the step, or touches it at the end.
     pub wall: bool,
     /// `true` if it lost part of its motion to a contact.
@@ -37,7 +37,7 @@ pub(super) struct Touch {
 
 /// State of a step, kept between steps only to reuse its memory.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Motion {
+pub struct Motion {
     /// Per robot: its contacts in the last step.
     pub touch: Vec<Touch>,
     /// Pairs (lower index, higher index) that touched in the last step, in ascending order.

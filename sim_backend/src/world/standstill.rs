@@ -13,7 +13,7 @@ const PLACE: f64 = 0.05;
 
 /// Last place at which a robot made progress.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Rest {
+pub struct Rest {
     at: Point2<f64>,
     since: Duration,
     is_reported: bool,

@@ -11,7 +11,7 @@ use robot::spec::RobotSpec;
 use robot::team::Role;
 
 /// Checks robots and rules separately.
-pub(super) fn check_specs(robots: &[RobotSpec], rules: &RulesSpec) -> Result<(), WorldError> {
+pub fn check_specs(robots: &[RobotSpec], rules: &RulesSpec) -> Result<(), WorldError> {
     check(rules).map_err(WorldError::Rules)?;
     if robots.is_empty() {
         return Err(WorldError::NoRobots);
@@ -43,11 +43,7 @@ pub(super) fn check_specs(robots: &[RobotSpec], rules: &RulesSpec) -> Result<(),
 }
 
 /// Checks that every robot is in free space and can reach its goal.
-pub(super) fn check_places(
-    map: &WorldMap,
-    robots: &[Robot],
-    exits: &[Region],
-) -> Result<(), WorldError> {
+pub fn check_places(map: &WorldMap, robots: &[Robot], exits: &[Region]) -> Result<(), WorldError> {
     for (index, robot) in robots.iter().enumerate() {
         let (x, y, radius) = (robot.pose.x, robot.pose.y, robot.radius());
         let name = || robot.name.clone();

@@ -33,7 +33,7 @@ const STEPS: [(i64, i64, u32); 8] = [
 
 /// A drive along planned paths.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub(super) struct Detour {
+pub struct Detour {
     /// The rest of the path (m), its end first.
     path: Vec<Point2<f64>>,
     plans: u32,

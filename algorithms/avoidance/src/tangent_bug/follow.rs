@@ -12,7 +12,7 @@ const FINER: [f64; 2] = [0.5, 0.25];
 
 /// A stretch along one boundary.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Follow {
+pub struct Follow {
     side: Side,
     /// `d_followed` (m).
     least: f64,
@@ -24,7 +24,7 @@ pub(super) struct Follow {
 }
 
 /// Next step of following.
-pub(super) enum FollowStep {
+pub enum FollowStep {
     /// Continue towards a point along the boundary.
     Along(Point2<f64>),
     /// Leave, towards a point nearer to the goal.

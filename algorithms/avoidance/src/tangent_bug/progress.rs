@@ -11,7 +11,7 @@ const MAX_AGAIN: f64 = 10.0;
 
 /// The progress towards a goal.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Progress {
+pub struct Progress {
     /// Minimum distance from the goal so far (m).
     least: f64,
     /// The trail since then.

@@ -20,7 +20,7 @@ const SQUARE: f64 = 0.125;
 
 /// Echoes of earlier scans.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub(super) struct EchoMemory {
+pub struct EchoMemory {
     /// At most one echo (m) per square of a fine lattice.
     echoes: BTreeMap<(i64, i64), Point2<f64>>,
     /// Position of the last recorded scan (m).

@@ -18,7 +18,7 @@ const BESIDE: usize = DIRECTIONS / 3;
 
 /// Neighbouring directions that end at one piece of boundary: no gap and no jump between them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Run {
+pub struct Run {
     /// First direction, going counter-clockwise.
     first: usize,
     /// Number of directions.
@@ -27,7 +27,7 @@ pub(super) struct Run {
 
 /// One of the discontinuities Oᵢ of the scan: the end of a piece of boundary.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct RunEnd {
+pub struct RunEnd {
     /// Direction just beside the boundary.
     pub(super) unit: Vector2<f64>,
     /// Free distance in this direction (m).

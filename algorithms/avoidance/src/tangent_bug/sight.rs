@@ -8,7 +8,7 @@ use super::surroundings::{DIRECTIONS, Surroundings, nearest_direction};
 
 /// The goal relative to the scan.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Sight {
+pub struct Sight {
     pub(super) goal: Point2<f64>,
     /// Distance from the goal at which it is reached (m).
     pub(super) tolerance: f64,

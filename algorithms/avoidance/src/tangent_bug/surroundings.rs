@@ -14,7 +14,7 @@ use nalgebra::{Point2, Vector2};
 use planner_view::view::ScanView;
 
 /// Number of directions, fixed in the world frame for every heading.
-pub(super) const DIRECTIONS: usize = 360;
+pub const DIRECTIONS: usize = 360;
 
 /// Maximum lean away from an obstacle that is too near (sine of the angle).
 const MAX_LEAN: f64 = 0.3;
@@ -33,10 +33,7 @@ static UNITS: LazyLock<Vec<Vector2<f64>>> = LazyLock::new(|| {
 
 /// The echo of each beam of a scan, relative to the robot's centre in world axes (m); `None` for a beam
 /// without one. Ranges below the minimum count as the minimum (REP-117: −∞); NaN counts as no echo.
-pub(super) fn hits(
-    pose: &Pose2,
-    scan: &ScanView<'_>,
-) -> impl Iterator<Item = Option<Vector2<f64>>> {
+pub fn hits(pose: &Pose2, scan: &ScanView<'_>) -> impl Iterator<Item = Option<Vector2<f64>>> {
     let ScanView {
         angle_min,
         angle_increment,
@@ -60,7 +57,7 @@ pub(super) fn hits(
 ///
 /// Where two neighbouring echoes are so close that the robot (of this radius (m)) could not pass
 /// between them, points are inserted between them.
-pub(crate) fn echoes(pose: &Pose2, scan: &ScanView<'_>, radius: f64, into: &mut Vec<Vector2<f64>>) {
+pub fn echoes(pose: &Pose2, scan: &ScanView<'_>, radius: f64, into: &mut Vec<Vector2<f64>>) {
     into.clear();
     let mut before: Option<Vector2<f64>> = None;
     let mut first: Option<Vector2<f64>> = None;
@@ -97,7 +94,7 @@ fn fill(a: Vector2<f64>, b: Vector2<f64>, radius: f64, into: &mut Vec<Vector2<f6
 
 /// The space around a robot's centre.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Surroundings {
+pub struct Surroundings {
     pub(super) here: Point2<f64>,
     /// Visible distance in the grown space (m).
     pub(super) reach: f64,
@@ -221,7 +218,7 @@ impl Surroundings {
 }
 
 /// The direction nearest to a vector's.
-pub(super) fn nearest_direction(vector: Vector2<f64>) -> usize {
+pub fn nearest_direction(vector: Vector2<f64>) -> usize {
     let turn = math::atan2(vector.y, vector.x) / TAU;
     // Adding a half before truncation rounds; adding a turn makes the value positive.
     ((turn + 1.0) * DIRECTIONS as f64 + 0.5) as usize % DIRECTIONS

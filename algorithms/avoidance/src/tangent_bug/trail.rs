@@ -19,7 +19,7 @@ struct Mark {
 /// of first contact need not lie on the loop. The loop is closed once the robot drives along its
 /// own trail, in the same direction, for some distance.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub(super) struct Trail {
+pub struct Trail {
     marks: Vec<Mark>,
     /// Distance driven (m).
     along: f64,

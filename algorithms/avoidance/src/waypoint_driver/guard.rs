@@ -22,7 +22,7 @@ const CREEP: f64 = 0.003;
 const STANDING: f64 = 1e-6;
 
 /// State of the robot when its command is checked.
-pub(super) struct Guard<'a> {
+pub struct Guard<'a> {
     /// Heading (rad).
     pub(super) theta: f64,
     /// Current twist.

@@ -5,7 +5,7 @@ const MIN_PACE: f64 = 0.02;
 
 /// Fraction of its maximum speed `v_max` (m/s) at which a robot covers `distance` (m) in `time_s`; 1
 /// if that is not enough, or if it is late.
-pub(super) fn part(distance: f64, time_s: f64, v_max: f64) -> f64 {
+pub fn part(distance: f64, time_s: f64, v_max: f64) -> f64 {
     let needed = distance / (time_s * v_max);
     // In this form, NaN counts as late.
     if time_s > 0.0 && needed < 1.0 {

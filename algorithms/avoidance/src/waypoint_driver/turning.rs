@@ -11,7 +11,7 @@ use control::go_to::bearing;
 /// point on that arc.
 ///
 /// Without this limit, a robot whose turning rate lags oscillates about its path.
-pub(super) fn ease(
+pub fn ease(
     command: Twist2,
     pose: &Pose2,
     towards: Point2<f64>,

@@ -57,7 +57,7 @@ pub enum BridgeError {
 }
 
 /// Returns `true` if a rectangle (m) has an inside, lies in the workplace and meets no grown obstacle.
-pub(super) fn is_free(rectangle: &Aabb, workplace: &Workplace) -> bool {
+pub fn is_free(rectangle: &Aabb, workplace: &Workplace) -> bool {
     let inner = workplace.inner();
     let (low, high) = (rectangle.min - inner.min, inner.max - rectangle.max);
     // All comparisons are false for NaN.
@@ -70,7 +70,7 @@ pub(super) fn is_free(rectangle: &Aabb, workplace: &Workplace) -> bool {
 }
 
 /// Overlap of two rectangles (m), along the axis with the smaller one; negative if they are apart.
-pub(super) fn depth(a: &Aabb, b: &Aabb) -> f64 {
+pub fn depth(a: &Aabb, b: &Aabb) -> f64 {
     let overlap = a.max.inf(&b.max) - a.min.sup(&b.min);
     overlap.x.min(overlap.y)
 }
@@ -86,7 +86,7 @@ pub struct Bridge {
 }
 
 /// The bridges between blocks that share a border, by their numbers.
-pub(super) fn between(cells: &Cells, blocks: &[Block], owners: &[u32]) -> Vec<Bridge> {
+pub fn between(cells: &Cells, blocks: &[Block], owners: &[u32]) -> Vec<Bridge> {
     let width = cells.columns();
     let mut pairs = BTreeSet::new();
     for (cell, &owner) in owners.iter().enumerate() {

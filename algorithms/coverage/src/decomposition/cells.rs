@@ -7,7 +7,7 @@ use super::{DecompositionError, MAX_CELLS, SAME};
 use crate::workplace::Workplace;
 
 /// Cells between lines along both axes.
-pub(super) struct Cells {
+pub struct Cells {
     /// Lines across x (m), increasing; at least 2.
     xs: Vec<f64>,
     /// Lines across y (m), increasing; at least 2.
@@ -18,7 +18,7 @@ pub(super) struct Cells {
 
 /// A rectangle of cells: columns `x0..=x1`, rows `y0..=y1`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Block {
+pub struct Block {
     // Compared in this order where two areas are the same.
     pub x0: usize,
     pub y0: usize,

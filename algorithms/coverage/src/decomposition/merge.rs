@@ -4,7 +4,7 @@ use super::SAME;
 use super::cells::{Block, Cells};
 
 /// Cells that belong to no rectangle.
-pub(super) const UNOWNED: u32 = u32::MAX;
+pub const UNOWNED: u32 = u32::MAX;
 
 /// Disjoint blocks of all free cells, in the order in which they were taken, and the block of each
 /// cell.
@@ -12,7 +12,7 @@ pub(super) const UNOWNED: u32 = u32::MAX;
 /// The remaining space only shrinks. So a corner cell remains one until it is taken, and the
 /// largest rectangle about it remains the largest until one of its cells is taken. Both are
 /// searched again only where the space has changed.
-pub(super) fn merge(cells: &Cells) -> (Vec<Block>, Vec<u32>) {
+pub fn merge(cells: &Cells) -> (Vec<Block>, Vec<u32>) {
     let mut rest = Rest {
         cells,
         free: cells.free().to_vec(),

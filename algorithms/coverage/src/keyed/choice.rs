@@ -33,7 +33,7 @@ const ON_AXIS: f64 = 0.3;
 
 /// Rough target of the next sub-goal by the key: along one axis, in another strip.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Order {
+pub struct Order {
     /// 0 for x, 1 for y.
     axis: usize,
     /// Strip among those other than the robot's own, as a number in [0, 1).
@@ -41,7 +41,7 @@ pub(super) struct Order {
 }
 
 /// Draws the orders of one sub-goal; the parameter `choices` sets their number.
-pub(super) fn draw_orders(params: &KeyedParams, draws: &mut Draws) -> Vec<Order> {
+pub fn draw_orders(params: &KeyedParams, draws: &mut Draws) -> Vec<Order> {
     let whole = params.choices.floor();
     let count = whole as usize + usize::from(draws.chance(params.choices - whole));
     let order = |_| Order {
@@ -59,7 +59,7 @@ struct Candidate {
 }
 
 /// Inputs of a choice.
-pub(super) struct Choice<'a> {
+pub struct Choice<'a> {
     pub(super) params: &'a KeyedParams,
     pub(super) space: &'a Space,
     pub(super) freshness: &'a Freshness,

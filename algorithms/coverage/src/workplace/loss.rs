@@ -19,7 +19,7 @@ pub struct ConversionLoss {
 }
 
 /// Compares pieces and the rectangles that represent them within `free`.
-pub(super) fn of_conversion(
+pub fn of_conversion(
     free: &Aabb,
     radius: f64,
     parts: &[Convex],

@@ -14,7 +14,7 @@ const HALVINGS: usize = 50;
 /// distance from a convex piece is a convex function, so that its maximum on a rectangle is at a corner, and it
 /// grows with the thickness. The distance is at most the thickness, so that every slab is at least as thick as
 /// the tolerance (except the last).
-pub(super) fn cover(piece: &Convex, tolerance: f64, most: usize, out: &mut Vec<Aabb>) {
+pub fn cover(piece: &Convex, tolerance: f64, most: usize, out: &mut Vec<Aabb>) {
     let limit = most.saturating_sub(out.len());
     let lying = slabs(piece, 1, tolerance, limit);
     let standing = slabs(piece, 0, tolerance, limit);

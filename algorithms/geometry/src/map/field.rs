@@ -9,7 +9,7 @@ use crate::shape::{Aabb, Convex};
 ///
 /// A cell is occupied if its centre lies in an obstacle (border included) or beyond the edge of
 /// the map; its clearance (m) is 0 then.
-pub(super) fn grids(
+pub fn grids(
     frame: GridFrame,
     bounds: Aabb,
     parts: &[Convex],

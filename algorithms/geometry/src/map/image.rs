@@ -108,7 +108,7 @@ impl Image {
 }
 
 /// Refuses an image with too many pixels.
-pub(super) fn check_size(width: u64, height: u64) -> Result<(), ImageError> {
+pub fn check_size(width: u64, height: u64) -> Result<(), ImageError> {
     if width.saturating_mul(height) > MAX_PIXELS as u64 {
         return Err(ImageError::TooLarge { width, height });
     }

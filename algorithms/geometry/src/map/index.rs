@@ -20,7 +20,7 @@ const REACH: f64 = 2.0;
 const SLACK: f64 = 1e-9;
 
 /// Distance (m) from a point to the edge of the map; negative beyond it, NaN for a NaN point.
-pub(super) fn edge_distance(bounds: &Aabb, p: Point2<f64>) -> f64 {
+pub fn edge_distance(bounds: &Aabb, p: Point2<f64>) -> f64 {
     let (low, high) = (p - bounds.min, bounds.max - p);
     let (x, y) = (low.x.min(high.x), low.y.min(high.y));
     // `f64::min` would drop a NaN.
@@ -38,7 +38,7 @@ struct Span {
 
 /// Index of pieces by buckets; see the module.
 #[derive(Debug, Clone)]
-pub(super) struct ShapeIndex {
+pub struct ShapeIndex {
     /// The buckets as cells of a grid.
     pub frame: GridFrame,
     /// Number of cells of the map's grid along the side of a bucket.

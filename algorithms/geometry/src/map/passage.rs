@@ -146,7 +146,7 @@ impl Reach<'_> {
 
 /// The requested passages of one map; clones share them.
 #[derive(Debug, Clone, Default)]
-pub(super) struct KnownPassages(Arc<Mutex<Vec<PassageEntry>>>);
+pub struct KnownPassages(Arc<Mutex<Vec<PassageEntry>>>);
 
 /// The bits of a needed clearance, and the passages for it.
 type PassageEntry = (u64, Arc<Passages>);

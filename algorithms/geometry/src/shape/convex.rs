@@ -393,4 +393,4 @@ fn polygon_contact(edges: &[Edge], p: Point2<f64>) -> Contact {
 }
 
 #[cfg(test)]
-pub(super) mod tests;
+pub mod tests;

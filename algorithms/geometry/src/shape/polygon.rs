@@ -9,7 +9,7 @@ use parry2d_f64::transformation::hertel_mehlhorn;
 use super::{Convex, Effort, MAX_CONCAVE_VERTICES, ShapeError};
 
 /// The convex parts of a simple polygon in either orientation, whose corners are within their ranges.
-pub(super) fn convex_parts(vertices: &[[f64; 2]]) -> Result<Vec<Convex>, ShapeError> {
+pub fn convex_parts(vertices: &[[f64; 2]]) -> Result<Vec<Convex>, ShapeError> {
     let mut points: Vec<Point2<f64>> = vertices.iter().map(|v| Point2::new(v[0], v[1])).collect();
     reject_crossings(&points)?;
     let area = signed_area(&points);
@@ -50,7 +50,7 @@ pub(super) fn convex_parts(vertices: &[[f64; 2]]) -> Result<Vec<Convex>, ShapeEr
 }
 
 /// The effort of [`convex_parts`].
-pub(super) fn effort(vertices: &[[f64; 2]]) -> Effort {
+pub fn effort(vertices: &[[f64; 2]]) -> Effort {
     let n = vertices.len();
     let mut points: Vec<Point2<f64>> = vertices.iter().map(|v| Point2::new(v[0], v[1])).collect();
     if signed_area(&points) < 0.0 {

@@ -10,7 +10,7 @@ const CROSS_BITS: u32 = 32;
 
 /// A ray in canonical order: ascending across the lanes (then along them).
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Segment {
+pub struct Segment {
     start: (i32, i32),
     end: (i32, i32),
 }
@@ -27,7 +27,7 @@ impl Segment {
 
 /// Prefix sums of the cells' costs and the next obstacle, per lane.
 #[derive(Debug, Clone)]
-pub(super) struct LaneTable {
+pub struct LaneTable {
     length: usize,
     /// `prefix[lane * (length + 1) + i]`: cost of the lane's first `i` cells, modulo 2^32.
     prefix: Vec<u32>,

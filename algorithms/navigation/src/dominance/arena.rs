@@ -101,7 +101,7 @@ impl Arena {
 }
 
 /// Maximum distance of a robot from the centre of its cell (m).
-pub(super) fn within_cell(lattice: &Lattice) -> f64 {
+pub fn within_cell(lattice: &Lattice) -> f64 {
     core::f64::consts::FRAC_1_SQRT_2 * lattice.pitch()
 }
 

@@ -14,13 +14,13 @@ pub const MARGIN: f64 = 0.05;
 /// Maximum length of the straight first leg of a route (m); the robot drives a longer straight leg in
 /// parts. In the open, where routes bend only because the graph has eight directions, longer means
 /// straighter and costs more time.
-pub(super) const SIGHT: f64 = 4.0;
+pub const SIGHT: f64 = 4.0;
 
 /// Maximum number of blocks of a graph; above it the pitch is doubled until the graph fits.
 const MAX_BLOCKS: usize = 1 << 20;
 
 /// A node index that means "none".
-pub(super) const NONE: u32 = u32::MAX;
+pub const NONE: u32 = u32::MAX;
 
 /// The eight neighbours of a block, in a fixed order.
 const NEIGHBOURS: [(i64, i64); 8] = [

@@ -15,7 +15,7 @@ const MAX_PASSING: usize = 16;
 
 /// Inputs that determine a tree, besides its graph.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Seed {
+pub enum Seed {
     /// Routes with gates from a node.
     From(usize),
     /// Lengths from a node.
@@ -40,7 +40,7 @@ impl Seed {
 
 /// A graph, and the trees grown in it so far.
 #[derive(Debug)]
-pub(super) struct RouteTrees {
+pub struct RouteTrees {
     pub(super) grid: NavGrid,
     kept: Mutex<TreeCache>,
 }

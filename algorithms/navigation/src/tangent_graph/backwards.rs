@@ -4,7 +4,7 @@ use super::graph::{Graph, NONE};
 use super::heap::Heap;
 
 /// Costs (m) from every vertex to a goal that some vertices (`seeds`) reach at known costs.
-pub(super) fn backwards(
+pub fn backwards(
     graph: &Graph,
     seeds: impl Iterator<Item = (u32, f64)>,
     costs: &mut Vec<f64>,

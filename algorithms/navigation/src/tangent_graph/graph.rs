@@ -22,11 +22,11 @@ const SAME_PLACE: f64 = 1e-11;
 const BACK: f64 = 1e-9;
 
 /// No vertex.
-pub(super) const NONE: u32 = u32::MAX;
+pub const NONE: u32 = u32::MAX;
 
 /// A tangent with the position where it departs.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Vertex {
+pub struct Vertex {
     /// Track on which it departs.
     pub track: u32,
     /// Position of departure on the track (rad).
@@ -51,7 +51,7 @@ pub(super) struct Vertex {
 
 /// Tracks and tangents; see the module.
 #[derive(Debug)]
-pub(super) struct Graph {
+pub struct Graph {
     pub sites: Vec<Site>,
     /// Vertices, sorted by track and position.
     pub vertices: Vec<Vertex>,
@@ -64,12 +64,12 @@ pub(super) struct Graph {
 }
 
 /// The track of a site and a turn.
-pub(super) fn track(site: u32, turn: Turn) -> u32 {
+pub fn track(site: u32, turn: Turn) -> u32 {
     2 * site + u32::from(turn < 0.0)
 }
 
 /// The turn of a track.
-pub(super) fn turn(track: u32) -> Turn {
+pub fn turn(track: u32) -> Turn {
     if track.is_multiple_of(2) { 1.0 } else { -1.0 }
 }
 

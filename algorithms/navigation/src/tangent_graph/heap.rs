@@ -5,7 +5,7 @@ use std::collections::BinaryHeap;
 
 /// The smallest cost first; of equal costs, the smaller number.
 #[derive(Debug, Default)]
-pub(super) struct Heap {
+pub struct Heap {
     entries: BinaryHeap<Reverse<(u64, u32)>>,
 }
 

@@ -12,7 +12,7 @@ use planner_view::free_space::Arc;
 const MIN_LEG: f64 = 1e-12;
 
 /// Adds the straight legs through these points.
-pub(super) fn straight(points: &[Point2<f64>], path: &mut Vec<PathLeg>) {
+pub fn straight(points: &[Point2<f64>], path: &mut Vec<PathLeg>) {
     for pair in points.windows(2) {
         if let &[from, to] = pair
             && (to - from).norm() > MIN_LEG
@@ -23,7 +23,7 @@ pub(super) fn straight(points: &[Point2<f64>], path: &mut Vec<PathLeg>) {
 }
 
 /// Adds the arc on a track from one position to another.
-pub(super) fn arc(graph: &Graph, (track, from): (u32, f64), to: f64, path: &mut Vec<PathLeg>) {
+pub fn arc(graph: &Graph, (track, from): (u32, f64), to: f64, path: &mut Vec<PathLeg>) {
     let site = graph.site(track);
     let angle = graph.arc(track, from, to).unwrap_or(0.0);
     if angle * site.radius > MIN_LEG {

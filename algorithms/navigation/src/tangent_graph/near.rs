@@ -20,7 +20,7 @@ const ON: f64 = 2.0 * TOUCHING;
 
 /// A tangent from a point that joins a track; not yet tested for collisions.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Join {
+pub struct Join {
     /// The track.
     pub track: u32,
     /// Position of landing on the track (rad).
@@ -34,7 +34,7 @@ pub(super) struct Join {
 /// Lists of sites for the cells of a coarse grid. The first query from a cell makes its list; the
 /// list depends on the cell only.
 #[derive(Debug)]
-pub(super) struct Near {
+pub struct Near {
     origin: Point2<f64>,
     side: f64,
     width: usize,

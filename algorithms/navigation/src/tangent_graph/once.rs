@@ -45,7 +45,7 @@ pub fn shortest_once(
 ///
 /// # Errors
 /// As [`TangentGraph::new`].
-pub(super) fn growing<T>(
+pub fn growing<T>(
     space: &FreeSpace,
     radius: f64,
     from: Point2<f64>,

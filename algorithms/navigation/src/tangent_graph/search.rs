@@ -44,7 +44,7 @@ struct Finish {
 
 /// Memory of a search, reused by the next.
 #[derive(Debug, Default)]
-pub(super) struct Scratch {
+pub struct Scratch {
     search: u32,
     marks: Vec<Mark>,
     heap: Heap,
@@ -61,7 +61,7 @@ thread_local! {
 }
 
 /// Runs `f` with this thread's memory.
-pub(super) fn with_scratch<R>(f: impl FnOnce(&mut Scratch) -> R) -> R {
+pub fn with_scratch<R>(f: impl FnOnce(&mut Scratch) -> R) -> R {
     SCRATCH.with(|scratch| match scratch.try_borrow_mut() {
         Ok(mut scratch) => f(&mut scratch),
         // A search does not start another; if one did, it would get its own memory.
@@ -70,7 +70,7 @@ pub(super) fn with_scratch<R>(f: impl FnOnce(&mut Scratch) -> R) -> R {
 }
 
 /// Runs `f` with this thread's list of tangents.
-pub(super) fn with_joins<R>(f: impl FnOnce(&mut Vec<Join>) -> R) -> R {
+pub fn with_joins<R>(f: impl FnOnce(&mut Vec<Join>) -> R) -> R {
     with_scratch(|scratch| f(&mut scratch.starts))
 }
 

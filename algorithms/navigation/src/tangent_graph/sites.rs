@@ -19,7 +19,7 @@ const END: f64 = 1e-7;
 /// An arc of the border of a grown piece along which the robot's centre can move freely: about a
 /// corner (radius: the robot's) or about a disc (radius: both together).
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Site {
+pub struct Site {
     pub center: Point2<f64>,
     pub radius: f64,
     /// Unit vector from the centre to the arc's clockwise end.
@@ -117,7 +117,7 @@ struct Circle {
 }
 
 /// All arcs around the pieces of a space grown by `radius` (m), at most `limit` of them and one.
-pub(super) fn find(space: &FreeSpace, radius: f64, limit: usize) -> Vec<Site> {
+pub fn find(space: &FreeSpace, radius: f64, limit: usize) -> Vec<Site> {
     let mut sites = Vec::new();
     for (part, piece) in space.shapes().parts().iter().enumerate() {
         if let Convex::Disc { center, radius: r } = piece {

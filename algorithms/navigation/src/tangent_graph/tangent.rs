@@ -3,11 +3,11 @@
 use nalgebra::{Point2, Vector2};
 
 /// Direction in which a path goes around a circle: 1 counter-clockwise, −1 clockwise.
-pub(super) type Turn = f64;
+pub type Turn = f64;
 
 /// A tangent segment.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Tangent {
+pub struct Tangent {
     /// Length (m).
     pub length: f64,
     /// Unit vector from the first circle's centre to the start of the segment.
@@ -25,7 +25,7 @@ pub(super) struct Tangent {
 /// `offset = (l + i k) u`, `k = s2 r2 − s1 r1`, which gives `l² = |offset|² − k²` and
 /// `u = offset (l − i k) / |offset|²`.
 #[inline]
-pub(super) fn between(
+pub fn between(
     offset: Vector2<f64>,
     (r1, s1): (f64, Turn),
     (r2, s2): (f64, Turn),
@@ -56,7 +56,7 @@ pub(super) fn between(
 ///
 /// As [`between`] with a first radius of 0: the touching point lies in the direction `−i s u`.
 #[inline]
-pub(super) fn from_point(
+pub fn from_point(
     p: Point2<f64>,
     center: Point2<f64>,
     radius: f64,

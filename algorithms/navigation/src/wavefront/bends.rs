@@ -17,7 +17,7 @@ const AHEAD: f64 = 0.8;
 
 /// A place visible from a bend.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Target {
+pub struct Target {
     /// Node or bend.
     pub(super) to: u32,
     /// The node next to it on the straight line back; [`NONE`] next to the bend.
@@ -31,7 +31,7 @@ pub(super) struct Target {
 /// Differences are worst where a wave turns around a corner: its curvature there is that of a new
 /// source. So each corner is a source that starts when the wave reaches it.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Bends {
+pub struct Bends {
     points: Vec<Point2<f64>>,
     /// Per node, the bend that it belongs to, or [`NONE`].
     of_node: Vec<u32>,

@@ -6,7 +6,7 @@ use nalgebra::Point2;
 use planner_view::map::PlannerMap;
 
 /// Index that means "no node".
-pub(super) const NONE: u32 = u32::MAX;
+pub const NONE: u32 = u32::MAX;
 
 /// Maximum number of cells of a lattice; above it the pitch is doubled until the lattice fits.
 const MAX_CELLS: usize = 1 << 22;

@@ -11,7 +11,7 @@ const PER_STEP: f32 = 16.0;
 /// the next. A bucket holds few entries, among which the least is searched. The order is that of a
 /// heap, at a fraction of its cost.
 #[derive(Debug, Clone)]
-pub(super) struct Queue {
+pub struct Queue {
     /// Time and node of each entry in one number: floats ≥ 0 order like their bits.
     ring: Vec<Vec<u64>>,
     in_ring: usize,

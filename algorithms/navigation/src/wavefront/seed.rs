@@ -66,7 +66,7 @@ pub const SIGHT: f64 = 3.0;
 
 /// A node or bend with a time known without a wave.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Seed {
+pub struct Seed {
     pub(super) time: f32,
     pub(super) node: u32,
     pub(super) label: u32,
@@ -75,7 +75,7 @@ pub(super) struct Seed {
 }
 
 /// Collects the nodes and bends visible near a source; if there is none, the nearest free cell.
-pub(super) fn collect(medium: &Medium, map: &PlannerMap, source: &Source, seeds: &mut Vec<Seed>) {
+pub fn collect(medium: &Medium, map: &PlannerMap, source: &Source, seeds: &mut Vec<Seed>) {
     let lattice = medium.lattice();
     let pitch = lattice.pitch();
     // A robot that touches a wall may be in a cell whose centre is too near to the wall. A robot inside

@@ -15,7 +15,7 @@ use crate::{MAX_NODES, MAX_OPERATIONS, MAX_VALUES, OPSETS};
 
 /// Steps of a network, and the memory of their values.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct CompiledNetwork {
+pub struct CompiledNetwork {
     pub(crate) steps: Vec<Step>,
     /// Constants, the input and the results of steps.
     pub(crate) values: Vec<Vec<f32>>,
@@ -29,7 +29,7 @@ pub(crate) struct CompiledNetwork {
 ///
 /// # Errors
 /// [`NetworkError`] names the first unsupported part.
-pub(crate) fn compile(model: &Model) -> Result<CompiledNetwork, NetworkError> {
+pub fn compile(model: &Model) -> Result<CompiledNetwork, NetworkError> {
     let graph = model.graph.as_ref().ok_or(NetworkError::NoGraph)?;
     let standard = |domain: &str| matches!(domain, "" | "ai.onnx");
     let mut opsets = model.opset_import.iter();

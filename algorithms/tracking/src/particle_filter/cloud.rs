@@ -4,7 +4,7 @@ use core::ops::Range;
 
 /// Hypotheses of one opponent's state. All arrays have the same length.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Cloud {
+pub struct Cloud {
     /// Position (m).
     pub x: Vec<f32>,
     /// Position (m).
@@ -18,7 +18,7 @@ pub(crate) struct Cloud {
 }
 
 /// A range of a [`Cloud`], borrowed for writing.
-pub(crate) struct Stretch<'a> {
+pub struct Stretch<'a> {
     pub x: &'a mut [f32],
     pub y: &'a mut [f32],
     pub heading: &'a mut [f32],

@@ -19,7 +19,7 @@ const SATURATION: f64 = 0.25;
 
 /// One tick's motion in single precision.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Motion {
+pub struct Motion {
     dt: f32,
     /// Half-widths of the uniform steps of v and ω.
     step_v: f32,
@@ -174,7 +174,7 @@ const JUMP_TURN: f64 = 0.5;
 /// Rare jumps to nearby poses, with which a collapsed belief recovers (chasing-game paper, section
 /// III.D). The gaps between jumping particles are drawn, not one number per particle.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Teleport {
+pub struct Teleport {
     /// ln(1 − probability of a jump in this tick).
     log_stay: f64,
     /// Particles to skip until the next jump.
@@ -214,6 +214,6 @@ impl Teleport {
 }
 
 /// Fills `noise` with random bytes.
-pub(crate) fn fill(noise: &mut [u8], rng: &mut ChaCha8Rng) {
+pub fn fill(noise: &mut [u8], rng: &mut ChaCha8Rng) {
     rng.fill_bytes(noise);
 }

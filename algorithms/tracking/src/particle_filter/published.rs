@@ -16,7 +16,7 @@ const UNDERFLOW: f64 = -745.0;
 ///
 /// A common factor makes the largest weight 1, so that a measurement far away from all particles
 /// still tells them apart, as in double precision.
-pub(super) fn weigh(space: &Space, particles: &Cloud, m: &Measurement, weights: &mut [f32]) {
+pub fn weigh(space: &Space, particles: &Cloud, m: &Measurement, weights: &mut [f32]) {
     let log_weight = |i: usize| {
         let (x, y) = (particles.x[i], particles.y[i]);
         if space.valid_at(space.place_of(x, y)) == 0 {
@@ -46,7 +46,7 @@ pub(super) fn weigh(space: &Space, particles: &Cloud, m: &Measurement, weights: 
 
 /// Replaces all particles by copies of the first one. Where that is in an obstacle, the belief stays
 /// without weight until it jumps out.
-pub(super) fn collapse(particles: &mut Cloud) {
+pub fn collapse(particles: &mut Cloud) {
     for array in [
         &mut particles.x,
         &mut particles.y,

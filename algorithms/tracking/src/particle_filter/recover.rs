@@ -14,7 +14,7 @@ use crate::watch::Watch;
 const ATTEMPTS: usize = 16;
 
 /// Ranges from which velocities are drawn: minimum and maximum v (m/s), maximum |ω| (rad/s).
-pub(crate) type Velocities = (f32, f32, f32);
+pub type Velocities = (f32, f32, f32);
 
 /// Draws all headings and velocities uniformly.
 fn draw_motion(cloud: &mut Cloud, (low, high, turn): Velocities, rng: &mut ChaCha8Rng) {
@@ -27,7 +27,7 @@ fn draw_motion(cloud: &mut Cloud, (low, high, turn): Velocities, rng: &mut ChaCh
 
 /// Redraws the belief around a measurement: positions Gaussian within free space, headings as
 /// measured or uniform, velocities uniform.
-pub(crate) fn around_measurement(
+pub fn around_measurement(
     cloud: &mut Cloud,
     space: &Space,
     m: &Measurement,
@@ -62,7 +62,7 @@ pub(crate) fn around_measurement(
 /// the whole map. Headings and velocities are uniform.
 ///
 /// A map without free cells leaves the positions unchanged. `candidates` is working memory.
-pub(crate) fn over_unseen(
+pub fn over_unseen(
     cloud: &mut Cloud,
     space: &Space,
     watch: &Watch,

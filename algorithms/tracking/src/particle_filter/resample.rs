@@ -11,13 +11,7 @@ const INTEGER: f64 = 6_755_399_441_055_744.0;
 /// `total` is the sum of the weights, > 0, and `offset` is in (0, 1). Writes `starts`: entry j is
 /// the particle whose first descendant is j, 0 where a previous particle has more than one.
 /// Summation is sequential, in f64.
-pub(crate) fn choose(
-    weights: &[f32],
-    total: f64,
-    count: usize,
-    offset: f64,
-    starts: &mut Vec<u32>,
-) {
+pub fn choose(weights: &[f32], total: f64, count: usize, offset: f64, starts: &mut Vec<u32>) {
     starts.clear();
     // One more, because particles after the last descendant are written there.
     starts.resize(count + 1, 0);
@@ -42,7 +36,7 @@ pub(crate) fn choose(
 }
 
 /// Copies the chosen particles.
-pub(crate) fn copy(from: &Cloud, starts: &[u32], to: &mut Cloud) {
+pub fn copy(from: &Cloud, starts: &[u32], to: &mut Cloud) {
     let n = from.len();
     let count = starts.len().saturating_sub(1);
     to.resize(count);

@@ -11,7 +11,7 @@ use crate::watch::Watch;
 
 /// A seen opponent's likelihood: Gaussian in x, y and, if measured, in the heading.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct SeenLikelihood {
+pub struct SeenLikelihood {
     x: f32,
     y: f32,
     /// 1/(2σ²) of the position (1/m²).
@@ -66,7 +66,7 @@ impl SeenLikelihood {
 }
 
 /// An unseen opponent's likelihood: (1 − V)^exponent, V being the best visibility from any observer.
-pub(crate) struct UnseenLikelihood<'a> {
+pub struct UnseenLikelihood<'a> {
     pub space: &'a Space,
     pub watch: &'a Watch,
     /// Number of times that the factor 1 − V applies in this tick; 1 at the paper's tick rate.
@@ -97,7 +97,7 @@ impl UnseenLikelihood<'_> {
 }
 
 /// Sets the weights of particles in obstacles or outside the grid to 0.
-pub(crate) fn drop_invalid(
+pub fn drop_invalid(
     space: &Space,
     particles: &Stretch<'_>,
     weights: &mut [f32],
@@ -111,7 +111,7 @@ pub(crate) fn drop_invalid(
 }
 
 /// Sum and sum of squares of the weights, in a fixed order for every vector width.
-pub(crate) fn totals(weights: &[f32]) -> (f64, f64) {
+pub fn totals(weights: &[f32]) -> (f64, f64) {
     const LANES: usize = 8;
     let (mut sums, mut squares) = ([0.0_f64; LANES], [0.0_f64; LANES]);
     let (chunks, rest) = weights.as_chunks::<LANES>();

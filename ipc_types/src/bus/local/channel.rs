@@ -9,7 +9,7 @@ use crate::bus::{BusError, BusOptions, buffer};
 use crate::topics::{Qos, TopicFacts};
 
 /// The unread messages of one subscriber, oldest first.
-pub(super) struct Queue<H, E> {
+pub struct Queue<H, E> {
     pub(super) messages: RefCell<VecDeque<Rc<Message<H, E>>>>,
     capacity: usize,
 }

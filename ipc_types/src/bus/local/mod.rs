@@ -26,7 +26,7 @@ use crate::topics::{Service, TopicFacts};
 
 /// The topics of one run in memory.
 #[derive(Default)]
-pub(super) struct LocalTopics {
+pub struct LocalTopics {
     /// Every topic's [`Channel`], by its name.
     channels: RefCell<BTreeMap<&'static str, Rc<dyn Any>>>,
     /// Every service's [`Endpoint`], by its name.

@@ -10,7 +10,7 @@ use crate::message::{Descriptor, Message};
 use crate::topics::Service;
 
 /// Fingerprint of the messages' layout.
-pub(super) fn layout<S: Service>() -> String {
+pub fn layout<S: Service>() -> String {
     let size = |d: Descriptor| format!("{}:{}", d.name, d.fields.len());
     let parts = [
         size(S::RequestHeader::DESCRIPTOR),

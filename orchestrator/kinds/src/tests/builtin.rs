@@ -27,67 +27,6 @@ fn every_built_in_scenario_loads_and_can_be_written() {
 }
 
 #[test]
-fn parameters_with_former_names_are_read_from_logs_and_corrected_in_scenarios() {
-    for (name, process, present, former) in [
-        (
-            "chase",
-            "evader_potential",
-            "teammate_weight",
-            "fellow_weight",
-        ),
-        (
-            "coverage_open",
-            "cover",
-            "follow.tracking.min_look_ahead",
-            "least_look_ahead",
-        ),
-        ("coverage_open", "cover", "follow.max_miss", "most_miss"),
-        ("patrol_octagon", "observer", "viewpoint.noise", "eyes"),
-        (
-            "chase_reach_avoid",
-            "evader_reach_avoid",
-            "avoid_radius",
-            "keep_away",
-        ),
-    ] {
-        let s = load(name, &[], None).unwrap();
-        let key = present.rsplit('.').find(|key| *key != "noise").unwrap();
-        let text = s.to_toml().replace(key, former);
-        assert!(text.contains(former), "{former} in {text}");
-        let logged = Loader::new(KINDS)
-            .load_text("log", &text, &scenario::files::Base::Nothing, &[], None)
-            .unwrap_or_else(|e| panic!("{name}: {e}"));
-        assert_eq!(logged, s);
-
-        let own = present.replace(key, former);
-        let error = load(
-            name,
-            &[format!("processes.{process}.params.{own}=0.125")],
-            None,
-        );
-        let error = error.unwrap_err().to_string();
-        assert!(error.contains(&format!("did you mean `{key}`?")), "{error}");
-    }
-}
-
-#[test]
-fn a_kind_with_a_former_name_is_read_from_logs_and_corrected_in_scenarios() {
-    let kind = |name: &str| [format!("processes.cover.kind={name}")];
-    let present = load("coverage_open", &kind("coverage_keyed"), None).unwrap();
-    let text = present
-        .to_toml()
-        .replace("coverage_keyed", "keyed_coverage");
-    let logged = Loader::new(KINDS)
-        .load_text("log", &text, &scenario::files::Base::Nothing, &[], None)
-        .unwrap();
-    assert_eq!(logged, present);
-
-    let error = load("coverage_open", &kind("keyed_coverage"), None).unwrap_err();
-    let error = error.to_string();
-    assert!(error.contains("did you mean `coverage_keyed`?"), "{error}");
-}
-
-#[test]
 fn the_world_accepts_every_built_in_scenario_and_its_events() {
     for scenario in builtin::SCENARIOS {
         let s = load(scenario.name, &[], None).unwrap();

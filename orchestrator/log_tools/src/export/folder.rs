@@ -6,7 +6,7 @@ use std::path::Path;
 use mcap_log::{DerivedError, derived};
 
 /// Directory of exported files; removed again if it was created for them and stays empty.
-pub(super) struct Folder<'a> {
+pub struct Folder<'a> {
     path: &'a Path,
     made: bool,
 }

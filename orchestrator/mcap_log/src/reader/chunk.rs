@@ -20,7 +20,7 @@ const MAX_COMPRESSION_NAME: usize = 64;
 
 /// The chunk that is being read.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct OpenChunk {
+pub struct OpenChunk {
     /// Offset of the next record in its contents (bytes).
     next: usize,
     /// Offset in the file (bytes).

@@ -12,7 +12,7 @@ use super::record::{PREFIX, name_of};
 use crate::LogReadError;
 
 /// Size of the magic bytes at both ends of a log (bytes).
-pub(super) const MAGIC_BYTES: u64 = 8;
+pub const MAGIC_BYTES: u64 = 8;
 
 impl Reader<'_> {
     /// Reads the next record of the file; returns `None` if it contains no item.

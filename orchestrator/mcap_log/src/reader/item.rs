@@ -56,7 +56,7 @@ pub enum Item<'a> {
 
 /// Location of the bytes of an item.
 #[derive(Debug)]
-pub(super) enum ItemLocation {
+pub enum ItemLocation {
     Header(String, String),
     Schema(u16, Rc<Schema>),
     Channel(Rc<Channel>),

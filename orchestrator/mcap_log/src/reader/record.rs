@@ -12,7 +12,7 @@ use super::limits::MAX_DESCRIPTION_BYTES;
 use crate::LogReadError;
 
 /// Size of opcode and length before every record (bytes).
-pub(super) const PREFIX: u64 = 9;
+pub const PREFIX: u64 = 9;
 
 impl Reader<'_> {
     /// Parses the record in the buffer.
@@ -224,7 +224,7 @@ impl Reader<'_> {
 
 /// Parses an attachment: returns its header and the range of its bytes in the record; `None` if the record is
 /// invalid or its checksum does not match.
-pub(crate) fn attachment(body: &[u8]) -> Option<(AttachmentHeader, Range<usize>)> {
+pub fn attachment(body: &[u8]) -> Option<(AttachmentHeader, Range<usize>)> {
     let mut fields = Fields(body);
     let header = AttachmentHeader {
         log_time: fields.u64()?,
@@ -241,7 +241,7 @@ pub(crate) fn attachment(body: &[u8]) -> Option<(AttachmentHeader, Range<usize>)
 }
 
 /// Returns the name of a record in messages.
-pub(super) fn name_of(opcode: u8) -> &'static str {
+pub fn name_of(opcode: u8) -> &'static str {
     match opcode {
         op::HEADER => "the header",
         op::FOOTER => "the footer",

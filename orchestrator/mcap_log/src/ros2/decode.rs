@@ -92,11 +92,6 @@ impl<'a> Cdr<'a> {
         Ok(bytes)
     }
 
-    /// Returns the end of the value that was read last, as offset in the message (bytes).
-    pub fn end(&self) -> usize {
-        ENCAPSULATION + self.at
-    }
-
     /// Returns the bits of the next number of `N` bytes.
     fn bits<const N: usize>(&mut self, name: &str) -> Result<u64, DecodeError> {
         self.at = self.at.next_multiple_of(N);

@@ -23,7 +23,7 @@ const PRIVATE: u32 = 0o600;
 ///
 /// Without `force` the file must not exist. With `force` it truncates an existing regular file of this user that no
 /// other run has locked; symbolic links are not followed.
-pub(super) fn create(path: &Path, force: bool) -> Result<File, LogWriteError> {
+pub fn create(path: &Path, force: bool) -> Result<File, LogWriteError> {
     let failed = |source| LogWriteError::Create {
         path: path.to_owned(),
         source,
@@ -77,7 +77,7 @@ fn lock(path: &Path, file: File) -> Result<File, LogWriteError> {
 ///
 /// `flush` marks a boundary between records. When a write fails (disk full), the file is truncated to the
 /// last boundary, so that readers find complete records only; every later write fails too.
-pub(super) struct LogFile {
+pub struct LogFile {
     storage: Box<dyn Storage>,
     buffer: Vec<u8>,
     /// Bytes received so far; the MCAP writer queries it for its indexes.
@@ -89,7 +89,7 @@ pub(super) struct LogFile {
 
 /// Length of the complete records of the file, readable without owning the stream.
 #[derive(Debug, Clone)]
-pub(super) struct Readable(Arc<AtomicU64>);
+pub struct Readable(Arc<AtomicU64>);
 
 impl Readable {
     /// Returns the length of the complete records (bytes).

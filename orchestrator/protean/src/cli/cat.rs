@@ -15,7 +15,7 @@ use super::logs::{self, ExcludeArg, SpanArgs};
 use super::output::EXIT_FAILED;
 
 /// Help below the options.
-pub(super) const HELP: &str = "\
+pub const HELP: &str = "\
 Prints one line for every message, in the order of the log:
 
   {\"topic\":\"robot/command\",\"log_time_s\":0.05,\"message\":{…}}
@@ -33,7 +33,7 @@ Exit codes: 0 success, 1 the output cannot be written, 2 wrong usage, or the fil
 
 /// Arguments of `protean cat`.
 #[derive(Debug, clap::Args)]
-pub(super) struct CatArgs {
+pub struct CatArgs {
     /// Log file
     log: PathBuf,
     /// Topics [default: all]; `*` matches any text, e.g. `'world/*'`

@@ -21,7 +21,7 @@ use sweep::LoadOptions;
 
 /// Arguments of `protean check`.
 #[derive(Debug, clap::Args)]
-pub(super) struct CheckArgs {
+pub struct CheckArgs {
     /// Scenario file, or name of a built-in scenario (see `protean list`)
     scenario: String,
     #[command(flatten)]
@@ -45,7 +45,7 @@ pub(super) struct CheckArgs {
 }
 
 /// Checks a scenario and summarises it.
-pub(super) fn run(kinds: &'static [Kind], args: &CheckArgs) -> ExitCode {
+pub fn run(kinds: &'static [Kind], args: &CheckArgs) -> ExitCode {
     let (target, overrides) = (&args.scenario, &args.overrides);
     let loader = Loader::new(kinds).allow_outside(overrides.allow_outside);
     let mut loaded = loader.load(target, &overrides.set, overrides.seed);

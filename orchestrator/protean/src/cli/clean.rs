@@ -10,7 +10,7 @@ use mission::run_directory::{self, FoundDirectory};
 use platform::scratch;
 
 /// Removes the remains of killed runs and lists them.
-pub(super) fn clean(as_json: bool) -> ExitCode {
+pub fn clean(as_json: bool) -> ExitCode {
     let mut found = match run_directory::clean() {
         Ok(found) => found,
         Err(error) => {

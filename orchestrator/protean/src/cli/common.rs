@@ -9,16 +9,16 @@ use sweep::spec::LogPolicy;
 /// The text of an argument is not a value of its option.
 #[derive(Debug, thiserror::Error)]
 #[error("expected {0}")]
-pub(super) struct Expected(pub(super) String);
+pub struct Expected(pub(super) String);
 
 /// Returns the parser of an output file's name, which may not have the ending of another format.
-pub(super) fn out(format: OutputFormat) -> impl TypedValueParser<Value = PathBuf> {
+pub fn out(format: OutputFormat) -> impl TypedValueParser<Value = PathBuf> {
     PathBufValueParser::new().try_map(move |file| format.check(file))
 }
 
 /// The option `--json`.
 #[derive(Debug, Clone, Default, clap::Args)]
-pub(super) struct JsonArg {
+pub struct JsonArg {
     /// Print one JSON object
     #[arg(long)]
     pub(super) json: bool,
@@ -26,7 +26,7 @@ pub(super) struct JsonArg {
 
 /// The option `--force`.
 #[derive(Debug, Clone, Default, clap::Args)]
-pub(super) struct ForceArg {
+pub struct ForceArg {
     /// Overwrite existing output
     #[arg(long)]
     pub(super) force: bool,
@@ -34,7 +34,7 @@ pub(super) struct ForceArg {
 
 /// The option `--quiet`.
 #[derive(Debug, Clone, Default, clap::Args)]
-pub(super) struct QuietArg {
+pub struct QuietArg {
     /// Print only the result and errors: no progress, events, notes or statistics
     #[arg(long, short)]
     pub(super) quiet: bool,
@@ -42,7 +42,7 @@ pub(super) struct QuietArg {
 
 /// The option `--allow-external`.
 #[derive(Debug, Clone, Default, clap::Args)]
-pub(super) struct ExternalArg {
+pub struct ExternalArg {
     /// Start external programs that the scenario names, without asking
     #[arg(long)]
     pub(super) allow_external: bool,
@@ -50,7 +50,7 @@ pub(super) struct ExternalArg {
 
 /// Missions that keep their log.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub(super) enum LogPolicyArg {
+pub enum LogPolicyArg {
     /// No mission; no log is written
     None,
     /// Failed missions; the logs of the others are removed

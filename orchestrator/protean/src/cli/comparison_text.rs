@@ -7,7 +7,7 @@ use recorder::time_text;
 const MAX_LINES: usize = 12;
 
 /// Returns the lines of a comparison with a difference: its tick, its causes and effects, and the topics that differ.
-pub(super) fn difference_lines(heading: &str, comparison: &Comparison) -> Vec<String> {
+pub fn difference_lines(heading: &str, comparison: &Comparison) -> Vec<String> {
     let Some(first) = &comparison.first else {
         return Vec::new();
     };
@@ -34,12 +34,7 @@ pub(super) fn difference_lines(heading: &str, comparison: &Comparison) -> Vec<St
 }
 
 /// Adds a list with a heading, shortened.
-pub(super) fn list<T>(
-    lines: &mut Vec<String>,
-    heading: &str,
-    items: &[T],
-    line: impl Fn(&T) -> String,
-) {
+pub fn list<T>(lines: &mut Vec<String>, heading: &str, items: &[T], line: impl Fn(&T) -> String) {
     for (at, item) in items.iter().take(MAX_LINES).enumerate() {
         let heading = if at == 0 { heading } else { "" };
         lines.push(format!("{heading:<10} {}", line(item)));

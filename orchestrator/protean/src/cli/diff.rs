@@ -24,7 +24,7 @@ use super::run_args::OverrideArgs;
 use super::tips;
 
 /// Help below the options.
-pub(super) const HELP: &str = "\
+pub const HELP: &str = "\
 Each side is a log, or a scenario that is run first, in this process, without a log. With --seed-b or --set-b the second side
 may be a log, whose scenario is then run with these changes. The command names the first tick in
 which the histories differ, and in it the processes that received the same inputs and answered otherwise. It also lists the
@@ -40,7 +40,7 @@ log goes.";
 
 /// Arguments of `protean diff`.
 #[derive(Debug, clap::Args)]
-pub(super) struct DiffArgs {
+pub struct DiffArgs {
     /// Log, scenario file or built-in scenario
     a: String,
     /// The other side [default: the same scenario]
@@ -62,7 +62,7 @@ pub(super) struct DiffArgs {
 }
 
 /// Compares two sides and prints their differences.
-pub(super) fn run(kinds: &[Kind], args: &DiffArgs) -> ExitCode {
+pub fn run(kinds: &[Kind], args: &DiffArgs) -> ExitCode {
     runtime::logging::start("warn");
     logs::command(args.quiet.quiet, |watch| {
         refuse_changes_of_logs(args)?;

@@ -13,7 +13,7 @@ use super::output::{EXIT_PARTIAL, print, print_json};
 use log_tools::{ExportOptions, Ros2Bag, export, ros2bag};
 
 /// Help below the options.
-pub(super) const HELP: &str = "\
+pub const HELP: &str = "\
 With --out, every topic with ROS 2 messages becomes a table: `world/state` becomes `world.state.csv`. The viewer topics
 of a run, whose names begin with /, repeat the others and are skipped unless --topics selects them. A row is one element
 of a message (a robot, a particle); it repeats log_time_ns, publish_time_ns, sequence and the fields of the message. A
@@ -52,7 +52,7 @@ impl From<FormatArg> for Format {
 
 /// Arguments of `protean export`.
 #[derive(Debug, clap::Args)]
-pub(super) struct ExportArgs {
+pub struct ExportArgs {
     /// Log file
     log: PathBuf,
     /// Write the tables to directory DIR

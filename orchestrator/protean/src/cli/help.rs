@@ -3,7 +3,7 @@
 use clap::Command;
 
 /// The commands by heading, in the order of the help.
-pub(crate) const HEADINGS: [(&str, &[&str]); 6] = [
+pub const HEADINGS: [(&str, &[&str]); 6] = [
     ("Missions", &["run", "test", "check", "new", "list"]),
     (
         "Logs",
@@ -18,7 +18,7 @@ pub(crate) const HEADINGS: [(&str, &[&str]); 6] = [
 ];
 
 /// Returns the program with its help: commands under headings, the options of `run` hidden.
-pub(super) fn with_headings(program: Command) -> Command {
+pub fn with_headings(program: Command) -> Command {
     let heading = program.get_styles().get_header();
     let name = program.get_styles().get_literal();
     let mut template = "{about-with-newline}\n{usage-heading} {usage}\n".to_owned();
@@ -43,7 +43,7 @@ pub(super) fn with_headings(program: Command) -> Command {
 }
 
 /// Returns the program with help texts that the terminal wraps: each paragraph is one line.
-pub(super) fn for_terminal(program: Command) -> Command {
+pub fn for_terminal(program: Command) -> Command {
     let text = program.get_after_long_help().map(ToString::to_string);
     let program = match text {
         Some(text) => program.after_long_help(with_long_lines(&text)),

@@ -9,7 +9,7 @@ use super::output::{EXIT_PARTIAL, print, print_json};
 use log_tools::{LogInfo, info_text};
 
 /// Help below the options.
-pub(super) const HELP: &str = "\
+pub const HELP: &str = "\
 Reads the whole file and verifies every checksum. `lost` counts messages missing from the sequence numbers of their
 publishers. Logs of other programs and truncated logs are summarised as far as they can be read.
 
@@ -18,7 +18,7 @@ what is missing).";
 
 /// Arguments of `protean info`.
 #[derive(Debug, clap::Args)]
-pub(super) struct InfoArgs {
+pub struct InfoArgs {
     /// Log file
     log: PathBuf,
     #[command(flatten)]
@@ -28,7 +28,7 @@ pub(super) struct InfoArgs {
 }
 
 /// Prints the summary of a log.
-pub(super) fn run(args: &InfoArgs) -> ExitCode {
+pub fn run(args: &InfoArgs) -> ExitCode {
     logs::command(args.quiet.quiet, |watch| {
         let info = LogInfo::read(&args.log, watch)?;
         if args.json.json {

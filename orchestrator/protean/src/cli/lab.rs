@@ -12,7 +12,7 @@ use platform::presence;
 use super::output::EXIT_FAILED;
 
 /// Help of the commands that are such doors.
-pub(super) const HELP: &str = "\
+pub const HELP: &str = "\
 The command is part of the Python package: pip install 'protean-robotics[lab]'. It runs with the python3 beside this
 program, else with that in PATH.";
 
@@ -25,7 +25,7 @@ const EXPECTED: &str = "expected a Python with the package: pip install 'protean
 
 /// The interpreter cannot run a command of the package.
 #[derive(Debug, thiserror::Error)]
-pub(super) enum LabError {
+pub enum LabError {
     #[error(
         "{}: it lacks the package protean_robotics, or is older than 3.11: {EXPECTED}", .0.display()
     )]
@@ -46,7 +46,7 @@ impl LabError {
 /// Arguments of a command that the package takes as they are.
 #[derive(Debug, clap::Args)]
 #[command(disable_help_flag = true)]
-pub(super) struct LabArgs {
+pub struct LabArgs {
     /// Arguments; --help lists them
     #[arg(
         trailing_var_arg = true,
@@ -57,7 +57,7 @@ pub(super) struct LabArgs {
 }
 
 /// Replaces this process by a command of the package; returns only if it cannot.
-pub(super) fn execute(command: &str, args: &LabArgs) -> ExitCode {
+pub fn execute(command: &str, args: &LabArgs) -> ExitCode {
     let error = match door(command) {
         Ok(mut door) => LabError::program(door.args(&args.arguments).exec()),
         Err(error) => error,
@@ -70,7 +70,7 @@ pub(super) fn execute(command: &str, args: &LabArgs) -> ExitCode {
 ///
 /// # Errors
 /// The package is missing or cannot be run.
-pub(super) fn output(command: &str, arguments: &[OsString]) -> Result<Output, LabError> {
+pub fn output(command: &str, arguments: &[OsString]) -> Result<Output, LabError> {
     let mut door = door(command)?;
     let door = door.args(arguments).stderr(Stdio::inherit());
     door.output().map_err(LabError::program)

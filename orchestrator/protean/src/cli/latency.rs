@@ -22,7 +22,7 @@ use scenario::kind::Kind;
 use scenario::{Loader, ResolvedScenario};
 
 /// Help below the options.
-pub(super) const HELP: &str = "\
+pub const HELP: &str = "\
 Runs the scenario in real time, once for every --rate. With a log, it measures from the stamps in the log and runs nothing.
 
 Prints count, p50, p90, p99, p99.9, max and jitter (mean absolute difference of consecutive values) in us, for the
@@ -44,7 +44,7 @@ const RATES: core::ops::RangeInclusive<f64> = 1.0..=10_000.0;
 
 /// Arguments of `protean latency`.
 #[derive(Debug, clap::Args)]
-pub(super) struct LatencyArgs {
+pub struct LatencyArgs {
     /// Scenario file, name of a built-in scenario [default: chase], or log file (.mcap)
     target: Option<String>,
     #[command(flatten)]
@@ -75,7 +75,7 @@ pub(super) struct LatencyArgs {
 type Refusal = (String, u8);
 
 /// Measures and prints the result.
-pub(super) fn run(kinds: &[Kind], args: &LatencyArgs) -> ExitCode {
+pub fn run(kinds: &[Kind], args: &LatencyArgs) -> ExitCode {
     let interrupted = Arc::new(AtomicBool::new(false));
     if let Err(error) = handle_signals(&interrupted) {
         eprintln!("error: cannot handle signals: {error}");

@@ -9,7 +9,7 @@ use scenario::kind::Kind;
 use scenario::list as scenarios;
 
 /// Lists the built-in scenarios and the kinds of processes.
-pub(super) fn list(kinds: &[Kind], as_json: bool) -> ExitCode {
+pub fn list(kinds: &[Kind], as_json: bool) -> ExitCode {
     let scenarios = scenarios();
     if as_json {
         print_json(&json!({

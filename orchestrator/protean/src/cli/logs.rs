@@ -14,7 +14,7 @@ use replay::ReplayError;
 
 /// Selection of topics.
 #[derive(Debug, Clone, clap::Args)]
-pub(super) struct TopicArgs {
+pub struct TopicArgs {
     /// Take only these topics; `*` matches any text, e.g. `world/*,robot/command`
     #[arg(long, value_name = "TOPIC", value_delimiter = ',')]
     topics: Vec<String>,
@@ -24,7 +24,7 @@ pub(super) struct TopicArgs {
 
 /// The option `--exclude`.
 #[derive(Debug, Clone, clap::Args)]
-pub(super) struct ExcludeArg {
+pub struct ExcludeArg {
     /// Leave these topics out
     #[arg(long, value_name = "TOPIC", value_delimiter = ',')]
     pub(super) exclude: Vec<String>,
@@ -41,7 +41,7 @@ impl From<TopicArgs> for Topics {
 
 /// Selection of a time span of a log.
 #[derive(Debug, clap::Args)]
-pub(super) struct SpanArgs {
+pub struct SpanArgs {
     /// Start at simulated time T (s)
     #[arg(long, value_name = "T")]
     pub(super) start: Option<f64>,
@@ -52,7 +52,7 @@ pub(super) struct SpanArgs {
 
 /// Selection of a part of a log.
 #[derive(Debug, clap::Args)]
-pub(super) struct PartArgs {
+pub struct PartArgs {
     #[command(flatten)]
     pub(super) span: SpanArgs,
     #[command(flatten)]
@@ -60,7 +60,7 @@ pub(super) struct PartArgs {
 }
 
 /// Runs a command on a log until it ends or Ctrl-C interrupts it; prints its error, returns its exit code.
-pub(super) fn command(
+pub fn command(
     quiet: bool,
     work: impl FnOnce(&mut ReadProgress) -> Result<ExitCode, CommandError>,
 ) -> ExitCode {
@@ -78,7 +78,7 @@ pub(super) fn command(
 
 /// Error of a command on a log.
 #[derive(Debug, thiserror::Error)]
-pub(super) enum CommandError {
+pub enum CommandError {
     /// The log cannot be read.
     #[error(transparent)]
     Log(#[from] LogReadError),
@@ -105,7 +105,7 @@ impl CommandError {
 }
 
 /// Returns the exit code of a command whose log cannot be read.
-pub(super) fn exit_code_of_read(error: &LogReadError) -> u8 {
+pub fn exit_code_of_read(error: &LogReadError) -> u8 {
     match error {
         LogReadError::Interrupted => EXIT_PARTIAL,
         _ => EXIT_INVALID,
@@ -113,7 +113,7 @@ pub(super) fn exit_code_of_read(error: &LogReadError) -> u8 {
 }
 
 /// Returns the exit code of a command that cannot write its output.
-pub(super) fn exit_code_of_derived(error: &DerivedError) -> u8 {
+pub fn exit_code_of_derived(error: &DerivedError) -> u8 {
     match error {
         DerivedError::Log(error) => exit_code_of_read(error),
         DerivedError::Write { .. } => EXIT_FAILED,
@@ -124,7 +124,7 @@ pub(super) fn exit_code_of_derived(error: &DerivedError) -> u8 {
 }
 
 /// Notes on stderr that another version of the program recorded the log, unless `quiet`.
-pub(super) fn note_version(recorded_by: Option<&str>, quiet: bool) {
+pub fn note_version(recorded_by: Option<&str>, quiet: bool) {
     if let Some(version) = recorded_by.filter(|_| !quiet) {
         eprintln!(
             "note: recorded by protean {version}, this is {}",
@@ -134,14 +134,14 @@ pub(super) fn note_version(recorded_by: Option<&str>, quiet: bool) {
 }
 
 /// Warns of the faults of a file.
-pub(super) fn warn_of_faults(log: &Path, faults: &[String]) {
+pub fn warn_of_faults(log: &Path, faults: &[String]) {
     for fault in faults {
         eprintln!("warning: {}: {fault}", log.display());
     }
 }
 
 /// Returns the exit code of a comparison: `same` if no message differs, `whole` if it covers the whole run.
-pub(super) fn of_comparison(same: bool, whole: bool) -> ExitCode {
+pub fn of_comparison(same: bool, whole: bool) -> ExitCode {
     match (same, whole) {
         (true, true) => ExitCode::SUCCESS,
         (true, false) => ExitCode::from(EXIT_PARTIAL),
@@ -150,7 +150,7 @@ pub(super) fn of_comparison(same: bool, whole: bool) -> ExitCode {
 }
 
 /// Warns of each incomplete log; returns the exit code, which tells if messages of any may be missing.
-pub(super) fn of_conditions<'a>(logs: impl Iterator<Item = (&'a Path, &'a Condition)>) -> ExitCode {
+pub fn of_conditions<'a>(logs: impl Iterator<Item = (&'a Path, &'a Condition)>) -> ExitCode {
     logs.map(|(log, condition)| of_condition(log, condition))
         .fold(ExitCode::SUCCESS, |last, code| {
             if code == ExitCode::SUCCESS {
@@ -162,7 +162,7 @@ pub(super) fn of_conditions<'a>(logs: impl Iterator<Item = (&'a Path, &'a Condit
 }
 
 /// Warns of an incomplete log; returns the exit code, which tells if messages may be missing.
-pub(super) fn of_condition(log: &Path, condition: &Condition) -> ExitCode {
+pub fn of_condition(log: &Path, condition: &Condition) -> ExitCode {
     if condition.is_whole() {
         return ExitCode::SUCCESS;
     }

@@ -163,7 +163,7 @@ enum Command {
 }
 
 /// Returns the definition of the command line.
-pub(crate) fn program() -> clap::Command {
+pub fn program() -> clap::Command {
     tips::with_negative_numbers(help::with_headings(Cli::command()))
 }
 

@@ -21,7 +21,7 @@ use super::run_args::DEFAULT_SCENARIO;
 use project::Project;
 
 /// Help below the options.
-pub(super) const HELP: &str = "\
+pub const HELP: &str = "\
 The file is a copy of a built-in scenario, or made from a published file: a ROS map (.yaml, with its image), a MovingAI \
 map (.map) or problems on one (.scen), a street graph (.graphml, OpenStreetMap .osm), or a patrol graph of \
 patrolling_sim (.graph). A map file that the scenario \
@@ -39,7 +39,7 @@ Exit codes: 0 written, 1 a file cannot be written, 2 wrong usage, or a file exis
     clippy::struct_excessive_bools,
     reason = "one per switch of the command line"
 )]
-pub(super) struct NewArgs {
+pub struct NewArgs {
     /// Scenario file to write, for example `mine.toml`; with a language the folder of the project
     #[arg(value_name = "FILE")]
     file: PathBuf,
@@ -115,7 +115,7 @@ enum NewError {
 }
 
 /// Writes a scenario and the map that it uses, or a project.
-pub(super) fn run(args: &NewArgs) -> ExitCode {
+pub fn run(args: &NewArgs) -> ExitCode {
     match write(args) {
         Ok(files) => {
             for file in &files {

@@ -19,7 +19,7 @@ pub const EXIT_INVALID: u8 = 2;
 pub const EXIT_PARTIAL: u8 = 3;
 
 /// Returns the exit code of a command whose run ends with this error.
-pub(super) fn exit_code_of_mission(error: &MissionError) -> u8 {
+pub fn exit_code_of_mission(error: &MissionError) -> u8 {
     if error.is_refusal() {
         EXIT_INVALID
     } else {
@@ -34,7 +34,7 @@ static RESULT_LOST: AtomicBool = AtomicBool::new(false);
 ///
 /// # Errors
 /// [`DerivedError::Exists`] without `force` if the file exists; [`DerivedError::Create`].
-pub(super) fn create(path: &Path, force: bool) -> Result<AtomicFile, DerivedError> {
+pub fn create(path: &Path, force: bool) -> Result<AtomicFile, DerivedError> {
     if let Some(folder) = path.parent() {
         std::fs::create_dir_all(folder).map_err(derived::refused(folder))?;
     }
@@ -45,7 +45,7 @@ pub(super) fn create(path: &Path, force: bool) -> Result<AtomicFile, DerivedErro
 ///
 /// # Errors
 /// [`DerivedError::Write`].
-pub(super) fn write(
+pub fn write(
     mut file: AtomicFile,
     path: &Path,
     bytes: impl AsRef<[u8]>,
@@ -56,13 +56,13 @@ pub(super) fn write(
 }
 
 /// Returns a command line of this program, which is named as the user named it.
-pub(super) fn command_line(words: &[&str]) -> String {
+pub fn command_line(words: &[&str]) -> String {
     let program = program();
     shell::line([program.as_str()].into_iter().chain(words.iter().copied()))
 }
 
 /// Returns a command line for another folder: a program named by a relative path has its absolute one.
-pub(super) fn command_line_elsewhere(words: &[&str]) -> String {
+pub fn command_line_elsewhere(words: &[&str]) -> String {
     let program = program();
     let absolute = std::path::absolute(&program)
         .ok()
@@ -78,12 +78,12 @@ fn program() -> String {
 
 /// Writes a line to stdout, with control characters escaped. A closed pipe (`protean list | head`) is not an error.
 /// After another error, the exit code [`EXIT_FAILED`] replaces success.
-pub(super) fn print(text: &str) {
+pub fn print(text: &str) {
     print_coloured(text, Colours::default());
 }
 
 /// Does the same, with words in these colours if stdout is coloured.
-pub(super) fn print_coloured(text: &str, colours: Colours) {
+pub fn print_coloured(text: &str, colours: Colours) {
     use std::io::ErrorKind;
     let mut out = std::io::stdout().lock();
     let colours = if is_coloured(&out) {
@@ -101,12 +101,12 @@ pub(super) fn print_coloured(text: &str, colours: Colours) {
 }
 
 /// Writes a JSON object to stdout.
-pub(super) fn print_json(value: &serde_json::Value) {
+pub fn print_json(value: &serde_json::Value) {
     print(&value.to_string());
 }
 
 /// Returns the exit code of the program for the exit code of its command.
-pub(super) fn exit_code(code: ExitCode) -> ExitCode {
+pub fn exit_code(code: ExitCode) -> ExitCode {
     if RESULT_LOST.load(Ordering::Relaxed) && code == ExitCode::SUCCESS {
         ExitCode::from(EXIT_FAILED)
     } else {

@@ -11,7 +11,7 @@ use super::output::print;
 use report::picture::save;
 
 /// Help below the options.
-pub(super) const HELP: &str = "\
+pub const HELP: &str = "\
 A truncated log is drawn as far as it can be read.
 
 Exit codes: 0 success, 1 the picture cannot be written, 2 the file is not a readable Protean log or ends before --at,
@@ -19,7 +19,7 @@ Exit codes: 0 success, 1 the picture cannot be written, 2 the file is not a read
 
 /// Arguments of `protean picture`.
 #[derive(Debug, clap::Args)]
-pub(super) struct PictureArgs {
+pub struct PictureArgs {
     /// Log file
     log: PathBuf,
     /// Write the picture to FILE (.svg, .png or .pdf) [default: the log's name with .svg]
@@ -33,7 +33,7 @@ pub(super) struct PictureArgs {
 }
 
 /// Draws a log into a file and prints the file's name.
-pub(super) fn run(args: &PictureArgs) -> ExitCode {
+pub fn run(args: &PictureArgs) -> ExitCode {
     let log = &args.log;
     logs::command(false, |watch| {
         let out = args.out.clone();

@@ -23,7 +23,7 @@ use plan::{Answer, Options, read};
 use platform::machine::processors;
 
 /// Help below the options.
-pub(super) const HELP: &str = "\
+pub const HELP: &str = "\
 The file is a JSON array of instances. Fields: id, cm_per_px, vmax_px_s, wmax_rad_s, buffer_px, bounds_px
 [x, y, x, y], start {x, y, theta}, start_speed or null, goal {x, y}, obstacles [{x, y, r}, {\"polygon\": [[x, y], …]}, …].
 Optional fields: v_min (the speed backwards, negative; 0 for plans that only drive forwards; absent: -vmax_px_s),
@@ -44,7 +44,7 @@ malformed file, 3 some instances are invalid, or interrupted.";
 
 /// Arguments of `protean plan`.
 #[derive(Debug, clap::Args)]
-pub(super) struct PlanArgs {
+pub struct PlanArgs {
     #[command(subcommand)]
     command: Option<PlanCommand>,
     #[command(flatten)]
@@ -185,7 +185,7 @@ impl PlanMethodArgs {
 }
 
 /// Runs `protean plan`.
-pub(super) fn run(args: &PlanArgs) -> ExitCode {
+pub fn run(args: &PlanArgs) -> ExitCode {
     match &args.command {
         Some(PlanCommand::Generate(args)) => plan_generate::generate(args),
         None => plan(&args.file),

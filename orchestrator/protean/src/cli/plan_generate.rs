@@ -14,7 +14,7 @@ use plan::Recipe;
 use plan::generate::{NAMES, with_reference};
 
 /// Help below the options.
-pub(super) const HELP: &str = "\
+pub const HELP: &str = "\
 Recipes (board 640 x 480 px at 0.75 cm/px, robot 15 cm/s and 16 rad/s, clearance 10 px):
   base       corner to corner, 10 to 20 discs of 5 to 15 px, heading 40 to 45 degrees
   ang0_90    base with a heading of 0 to 90 degrees
@@ -31,7 +31,7 @@ the length of the exact shortest path and the resulting lower bound of the time.
 
 /// Arguments of `protean plan generate`.
 #[derive(Debug, clap::Args)]
-pub(super) struct GenerateArgs {
+pub struct GenerateArgs {
     /// Recipe (described at the end of --help)
     #[arg(value_parser = PossibleValuesParser::new(NAMES))]
     recipe: String,
@@ -49,7 +49,7 @@ pub(super) struct GenerateArgs {
 }
 
 /// Generates random instances.
-pub(super) fn generate(args: &GenerateArgs) -> ExitCode {
+pub fn generate(args: &GenerateArgs) -> ExitCode {
     let invalid = |text: &str| {
         eprintln!("error: {text}");
         ExitCode::from(EXIT_INVALID)

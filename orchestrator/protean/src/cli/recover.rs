@@ -12,7 +12,7 @@ use log_tools::{RecoveryReport, recover};
 use recorder::time_text;
 
 /// Help below the options.
-pub(super) const HELP: &str = "\
+pub const HELP: &str = "\
 Copies every complete chunk with a correct checksum to a new log, and writes an index and a summary. Messages keep
 their order, times and sequence numbers. The damaged log is not changed. Of logs joined end to end, the second becomes
 FILE with `_2` at the end of its name, and so on.
@@ -22,7 +22,7 @@ MCAP file, 3 messages are lost, or bytes follow the log (stderr lists them).";
 
 /// Arguments of `protean recover`.
 #[derive(Debug, clap::Args)]
-pub(super) struct RecoverArgs {
+pub struct RecoverArgs {
     /// Truncated or damaged log file
     log: PathBuf,
     /// Write the new log to FILE

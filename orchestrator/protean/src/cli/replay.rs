@@ -15,7 +15,7 @@ use replay::{ReplayOptions, ReplayReport, VerificationReport, VerifyOptions, ver
 use scenario::kind::Kind;
 
 /// Help below the options.
-pub(super) const HELP: &str = "\
+pub const HELP: &str = "\
 Publishes the messages of a log in a run of its own; viewers and processes join it like any run (stderr shows its root
 and prefix). Messages and stamps are those of the log, byte for byte. The messages of a tick are sent together; the
 time between ticks is simulated time divided by --pace. Latched topics (map, state …) are sent first, with their value
@@ -39,7 +39,7 @@ be used; 3 interrupted, or the log is incomplete (stderr lists what is missing).
     clippy::struct_excessive_bools,
     reason = "one per switch of the command line"
 )]
-pub(super) struct ReplayArgs {
+pub struct ReplayArgs {
     /// Log file
     log: PathBuf,
     /// Replay FACTOR times as fast as real time

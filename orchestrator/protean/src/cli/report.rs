@@ -13,7 +13,7 @@ use super::output::{EXIT_FAILED, print, print_json};
 use report::page::report;
 
 /// Help below the options.
-pub(super) const HELP: &str = "\
+pub const HELP: &str = "\
 The page is one file without external resources. It animates the mission (space, arrow keys; `?` lists the keys) and
 shows events, figures, latencies, outcome and scenario. Two logs are shown side by side with one clock. A log that is truncated or lacks topics is shown as far as
 possible; the page lists what is missing.
@@ -23,7 +23,7 @@ Exit codes: 0 success, 1 the page cannot be written or shown, 2 the file is not 
 
 /// Arguments of `protean report`.
 #[derive(Debug, clap::Args)]
-pub(super) struct ReportArgs {
+pub struct ReportArgs {
     /// Log file; two: side by side
     #[arg(value_name = "LOG", required = true, num_args = 1..=2)]
     logs: Vec<PathBuf>,

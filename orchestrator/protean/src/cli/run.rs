@@ -109,7 +109,7 @@ fn execute(
 }
 
 /// Prints the totals of live viewers to stderr.
-pub(super) fn report_viewers(live: LiveTotals, quiet: bool) {
+pub fn report_viewers(live: LiveTotals, quiet: bool) {
     if !quiet || live.left_out + live.cut_off > 0 {
         eprintln!(
             "live: {} viewers, {} messages sent, {} dropped for slow viewers, {} viewers disconnected",
@@ -120,7 +120,7 @@ pub(super) fn report_viewers(live: LiveTotals, quiet: bool) {
 
 /// Reason why a scenario is not run, as printed.
 #[derive(Debug, thiserror::Error)]
-pub(super) enum LoadError {
+pub enum LoadError {
     #[error(transparent)]
     Scenario(#[from] Diagnostics),
     #[error("error: {option} {value}: expected {expected}")]
@@ -166,7 +166,7 @@ fn load(kinds: &[Kind], target: &str, args: &RunArgs) -> Result<ResolvedScenario
 }
 
 /// Asks the external programs for their declarations, which the user has permitted, and loads the scenario with them.
-pub(super) fn asked(
+pub fn asked(
     scenario: ResolvedScenario,
     set: &[String],
     load: impl Fn(&[String]) -> Result<ResolvedScenario, Diagnostics>,
@@ -201,7 +201,7 @@ fn check_factor(option: &'static str, factor: Option<f64>) -> Result<(), LoadErr
 }
 
 /// Refuses a scenario with external programs, unless they are allowed or the user at the terminal agrees.
-pub(super) fn refuse_external(
+pub fn refuse_external(
     target: &str,
     scenario: &ResolvedScenario,
     allowed: bool,

@@ -7,14 +7,14 @@ use super::tips;
 use platform::output_format::OutputFormat;
 
 /// Default port of the live server; viewers try it first.
-pub(super) const DEFAULT_PORT: &str = "8765";
+pub const DEFAULT_PORT: &str = "8765";
 
 /// Scenario that runs when the command line names none.
-pub(super) const DEFAULT_SCENARIO: &str = "chase";
+pub const DEFAULT_SCENARIO: &str = "chase";
 
 /// Changes to a scenario.
 #[derive(Debug, Clone, Default, clap::Args)]
-pub(super) struct OverrideArgs {
+pub struct OverrideArgs {
     /// Seed of all random numbers [default: the scenario's]
     #[arg(long, value_name = "N", value_parser = tips::seed)]
     pub(super) seed: Option<u64>,
@@ -28,7 +28,7 @@ pub(super) struct OverrideArgs {
 
 /// Arguments of `protean run`, besides the scenario.
 #[derive(Debug, Clone, Default, clap::Args)]
-pub(super) struct RunArgs {
+pub struct RunArgs {
     #[command(flatten)]
     pub(super) overrides: OverrideArgs,
     /// Run in real time instead of lock-step, or FACTOR times as fast

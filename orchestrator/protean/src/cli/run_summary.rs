@@ -198,7 +198,7 @@ fn verdict(report: &MissionReport) -> String {
 }
 
 /// The result without notes and statistics: verdict, outcomes of the robots, failures, digest and log.
-pub(super) fn short(report: &MissionReport) -> String {
+pub fn short(report: &MissionReport) -> String {
     let s = &report.summary;
     let mut text = format!("{}\n\n{}\n\n", verdict(report), robots_table(s));
     for process in &s.processes {
@@ -216,7 +216,7 @@ pub(super) fn short(report: &MissionReport) -> String {
 }
 
 /// The summary for people: first the verdict, last what to do next.
-pub(super) fn text(
+pub fn text(
     scenario: &ResolvedScenario,
     remarks: &[ScenarioRemark],
     report: &MissionReport,

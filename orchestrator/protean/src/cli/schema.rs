@@ -7,9 +7,12 @@ use clap::ValueEnum;
 use super::output::{print, print_json};
 use scenario::kind::Kind;
 
+/// The header of planners in C and C++, which a test of `library_planner` compares with the declared interface.
+const PLANNER: &str = include_str!("../../../../examples/cpp_planner/protean_planner.h");
+
 /// Subject of a schema.
 #[derive(Debug, Clone, Copy, ValueEnum)]
-pub(super) enum SchemaOf {
+pub enum SchemaOf {
     /// Scenario files: JSON Schema, for editors
     Scenario,
     /// Experiment files: JSON Schema, for editors
@@ -21,12 +24,12 @@ pub(super) enum SchemaOf {
 }
 
 /// Prints a schema.
-pub(super) fn schema(kinds: &[Kind], subject: SchemaOf) -> ExitCode {
+pub fn schema(kinds: &[Kind], subject: SchemaOf) -> ExitCode {
     match subject {
         SchemaOf::Scenario => print_json(&scenario::schema::schema(kinds).to_value()),
         SchemaOf::Experiment => print_json(&sweep::schema::schema().to_value()),
         SchemaOf::Test => print_json(&mission_tests::schema().to_value()),
-        SchemaOf::Planner => print(library_planner::header::planner().trim_end()),
+        SchemaOf::Planner => print(PLANNER.trim_end()),
     }
     ExitCode::SUCCESS
 }

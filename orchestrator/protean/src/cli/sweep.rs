@@ -27,7 +27,7 @@ use sweep::{
 };
 
 /// Runs an experiment, merges results, or draws their figures.
-pub(super) fn sweep(kinds: &'static [kind::Kind], args: &SweepArgs) -> ExitCode {
+pub fn sweep(kinds: &'static [kind::Kind], args: &SweepArgs) -> ExitCode {
     match (&args.command, &args.run.experiment) {
         (Some(SweepCommand::Merge { parts, out, json }), _) => merged(parts, out, json.json),
         (Some(SweepCommand::Figures(args)), _) => lab::execute("figures", args),

@@ -11,7 +11,7 @@ use super::common::{ExternalArg, JsonArg, LogPolicyArg, QuietArg, out};
 use super::lab;
 
 /// Help below the options.
-pub(super) const HELP: &str = "\
+pub const HELP: &str = "\
 A sweep may be interrupted or killed: the same command resumes it and repeats no finished mission. The experiment alone
 determines results.csv, byte for byte. docs/reference/experiment.md describes the experiment file and the results.
 
@@ -20,7 +20,7 @@ are missing.";
 
 /// Arguments of `protean sweep`.
 #[derive(Debug, clap::Args)]
-pub(super) struct SweepArgs {
+pub struct SweepArgs {
     #[command(subcommand)]
     pub(super) command: Option<SweepCommand>,
     #[command(flatten)]
@@ -28,7 +28,7 @@ pub(super) struct SweepArgs {
 }
 
 #[derive(Debug, Subcommand)]
-pub(super) enum SweepCommand {
+pub enum SweepCommand {
     /// Draw the figures of existing results
     #[command(after_long_help = lab::HELP)]
     Figures(lab::LabArgs),
@@ -50,7 +50,7 @@ pub(super) enum SweepCommand {
     clippy::struct_excessive_bools,
     reason = "one per switch of the command line"
 )]
-pub(super) struct SweepRunArgs {
+pub struct SweepRunArgs {
     /// Experiment file
     #[arg(required = true)]
     pub(super) experiment: Option<PathBuf>,

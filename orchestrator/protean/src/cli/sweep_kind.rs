@@ -15,7 +15,7 @@ use sweep::{
 
 /// An option does not fit the experiment.
 #[derive(Debug, thiserror::Error)]
-pub(super) enum Unsuitable {
+pub enum Unsuitable {
     #[error(
         "--in-process: the scenario of case `{0}` starts an external program, which needs its own process"
     )]
@@ -27,7 +27,7 @@ pub(super) enum Unsuitable {
 }
 
 /// A kind of missions on the command line.
-pub(super) trait SweepKind: Subject {
+pub trait SweepKind: Subject {
     /// Name of the missions that would run.
     const TO_DO: &'static str;
 

@@ -12,7 +12,7 @@ use sweep::runner::RunReport;
 use sweep::{Manifest, Measure, MissionId, Record as _, Results};
 
 /// Missions that a sweep would run.
-pub(super) struct Listing<'a> {
+pub struct Listing<'a> {
     /// Manifest of the experiment.
     pub manifest: &'a Manifest,
     /// Missions to run.
@@ -24,7 +24,7 @@ pub(super) struct Listing<'a> {
 }
 
 /// Prints the missions that a sweep would run; `details` returns fields of a cell besides case and parameters.
-pub(super) fn list(listing: &Listing<'_>, as_json: bool, details: impl Fn(usize) -> Json) {
+pub fn list(listing: &Listing<'_>, as_json: bool, details: impl Fn(usize) -> Json) {
     let manifest = listing.manifest;
     if as_json {
         let mission = |mission: &MissionId| {
@@ -69,7 +69,7 @@ pub(super) fn list(listing: &Listing<'_>, as_json: bool, details: impl Fn(usize)
 }
 
 /// Prints the summary of results with the worst missions by a measure, without notes if `quiet`; returns the exit code.
-pub(super) fn conclude<S: SweepKind>(
+pub fn conclude<S: SweepKind>(
     results: &Results<S::Row>,
     report: Option<&RunReport>,
     worst: Option<Measure>,

@@ -25,7 +25,7 @@ use super::output::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, print, print_json};
 use super::run::handle_signals;
 
 /// Help below the options.
-pub(super) const HELP: &str = "\
+pub const HELP: &str = "\
 A test file names a scenario and what is expected of its missions; a scenario with [expect] is a test, too. A test in two lines:
 
   scenario = \"chase\"
@@ -38,7 +38,7 @@ interval needs more missions, or --timeout or Ctrl-C ended it.";
 
 /// Arguments of `protean test`.
 #[derive(Debug, clap::Args)]
-pub(super) struct TestArgs {
+pub struct TestArgs {
     /// Test files, scenarios with `expect`, or folders with these [default: tests]
     paths: Vec<PathBuf>,
     /// Run only tests with TEXT in their name
@@ -86,7 +86,7 @@ pub(super) struct TestArgs {
 }
 
 /// Runs tests and reports their verdicts.
-pub(super) fn run(kinds: &'static [Kind], args: &TestArgs) -> ExitCode {
+pub fn run(kinds: &'static [Kind], args: &TestArgs) -> ExitCode {
     runtime::logging::start("error");
     let mut options = LoadOptions::new(kinds);
     options.set.clone_from(&args.set);

@@ -54,7 +54,7 @@ const OPTIONS: [(&[&str], &str); 7] = [
 ];
 
 /// Lets the options that take a value take negative numbers: their own parsers refuse them with what they expect.
-pub(super) fn with_negative_numbers(program: Command) -> Command {
+pub fn with_negative_numbers(program: Command) -> Command {
     let allow = |arg: Arg| {
         let takes_value = !arg.is_positional() && arg.get_action().takes_values();
         arg.allow_negative_numbers(takes_value)
@@ -65,13 +65,13 @@ pub(super) fn with_negative_numbers(program: Command) -> Command {
 }
 
 /// Parses the seed of random numbers.
-pub(super) fn seed(text: &str) -> Result<u64, Expected> {
+pub fn seed(text: &str) -> Result<u64, Expected> {
     text.parse()
         .map_err(|_| Expected(format!("a whole number from 0 to {}", u64::MAX)))
 }
 
 /// Returns an error of the command line with the tips that help; `arguments` is without the program's name.
-pub(super) fn improved(mut error: Error, arguments: &[OsString]) -> Error {
+pub fn improved(mut error: Error, arguments: &[OsString]) -> Error {
     let word = |kind| match error.get(kind) {
         Some(ContextValue::String(word)) => Some(word.clone()),
         _ => None,

@@ -11,7 +11,7 @@ use replay::{Rerun, RerunOptions, rerun};
 use scenario::kind::Kind;
 
 /// Help below the options.
-pub(super) const HELP: &str = "\
+pub const HELP: &str = "\
 Runs the scenario, seed and events of the log again, and compares the digest and every message of the simulated history
 (all topics but clocks and heartbeats). If the run was killed or interrupted, the new run ends with the log; if a process
 failed, both end at the first failure.
@@ -23,7 +23,7 @@ in the file than the run; or interrupted.";
 
 /// Arguments of `protean verify`.
 #[derive(Debug, clap::Args)]
-pub(super) struct VerifyArgs {
+pub struct VerifyArgs {
     /// Log file of a run in lock-step
     log: PathBuf,
     /// Run all processes within this one
@@ -38,7 +38,7 @@ pub(super) struct VerifyArgs {
 }
 
 /// Runs the scenario of a log again and compares every message.
-pub(super) fn run(kinds: &[Kind], args: &VerifyArgs) -> ExitCode {
+pub fn run(kinds: &[Kind], args: &VerifyArgs) -> ExitCode {
     runtime::logging::start("warn");
     let options = RerunOptions {
         in_process: args.in_process,

@@ -26,14 +26,14 @@ const MAX_STATES: usize = 400_000;
 
 /// The state of the world at a tick.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Frame {
+pub struct Frame {
     pub(super) tick: u64,
     pub(super) robots: Vec<RobotState>,
 }
 
 /// Content of the page of a run.
 #[derive(Debug)]
-pub(super) struct PageContent {
+pub struct PageContent {
     pub(super) facts: Facts,
     pub(super) scenario: LoggedScenario,
     pub(super) frames: Vec<Sample<Frame>>,

@@ -21,7 +21,7 @@ use recorder::{CoverageOutcome, MessageCounts, RobotOutcome, outcome_words, stat
 use robot::team::Role;
 
 /// Outcomes of the robots: from the result of the run, else from the last state in the log.
-pub(super) fn outcome(content: &PageContent) -> Vec<RobotOutcome> {
+pub fn outcome(content: &PageContent) -> Vec<RobotOutcome> {
     let recorded = content.facts.origin.result.get("robots");
     if let Some(robots) = recorded.and_then(|text| serde_json::from_str(text).ok()) {
         return robots;
@@ -65,7 +65,7 @@ pub(super) fn outcome(content: &PageContent) -> Vec<RobotOutcome> {
 }
 
 /// The parts of the run or of the log that are missing, a sentence each.
-pub(super) fn missing(content: &PageContent) -> Vec<String> {
+pub fn missing(content: &PageContent) -> Vec<String> {
     let mut missing = Vec::new();
     let count = |topic: &str| content.counts.get(topic).copied().unwrap_or(0);
     if !content.condition.is_whole() {
@@ -235,7 +235,7 @@ fn latency(content: &mut PageContent) -> Json {
 }
 
 /// All content of the page except lists and plots.
-pub(super) fn facts(content: &mut PageContent) -> Json {
+pub fn facts(content: &mut PageContent) -> Json {
     let latency = latency(content);
     let described = content.facts.run.as_ref();
     let tasks = described.map_or(&[][..], |run| &run.tasks);
@@ -311,7 +311,7 @@ pub(super) fn facts(content: &mut PageContent) -> Json {
 }
 
 /// The colours of `protean picture`, as variables of a style sheet.
-pub(super) fn colours() -> String {
+pub fn colours() -> String {
     let mut all = [
         ("paper", palette::PAPER),
         ("wall", palette::WALL),

@@ -28,7 +28,7 @@ const START: [&str; 1] = [include_str!("page/start.js")];
 
 /// A run on the page: its facts (JSON), and its lists of numbers (base64).
 #[derive(Debug)]
-pub(super) struct Run {
+pub struct Run {
     pub(super) facts: Json,
     pub(super) data: String,
 }
@@ -44,7 +44,7 @@ impl Run {
 }
 
 /// Inserts runs, and the comparison of two, into the page.
-pub(super) fn page(runs: &[Run], comparison: Option<&Json>, colours: &str) -> String {
+pub fn page(runs: &[Run], comparison: Option<&Json>, colours: &str) -> String {
     let mut titles: Vec<&str> = runs.iter().map(Run::title).collect();
     titles.dedup();
     let size: usize = runs.iter().map(|run| run.data.len()).sum();

@@ -40,11 +40,11 @@ const HORIZONS: usize = 16;
 /// Maximum number of visits of places of patrols that are stored.
 const ALL_VISITS: usize = 200_000;
 /// Factor of a patrol in the keys of its places.
-pub(super) const PLACES: u32 = 1 << 16;
+pub const PLACES: u32 = 1 << 16;
 
 /// A belief about a robot.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Cloud {
+pub struct Cloud {
     /// Mean of the particles, x and y (m).
     pub(super) mean: [f64; 2],
     /// Points that represent equal shares of the belief, x and y (m).
@@ -53,7 +53,7 @@ pub(super) struct Cloud {
 
 /// A planned path.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub(super) struct Path {
+pub struct Path {
     /// Its points, x and y (m).
     pub(super) points: Vec<[f64; 2]>,
     /// `true` if the last point is what the robot heads for in the end, not a part of the path.
@@ -62,7 +62,7 @@ pub(super) struct Path {
 
 /// An edge of a search tree.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Edge {
+pub struct Edge {
     /// Both end points, x and y (m).
     pub(super) ends: [[f32; 2]; 2],
     /// `true` if the edge belongs to the chosen path.
@@ -71,7 +71,7 @@ pub(super) struct Edge {
 
 /// A range scan.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Beams {
+pub struct Beams {
     /// Bearing of the first beam and angle between two (rad).
     pub(super) first: f64,
     pub(super) step: f64,
@@ -81,7 +81,7 @@ pub(super) struct Beams {
 
 /// The predicted position of a robot, by one method.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct MethodPrediction {
+pub struct MethodPrediction {
     pub(super) method: u8,
     /// Index of the horizon in [`Layers::horizons_s`].
     pub(super) horizon: u8,
@@ -91,7 +91,7 @@ pub(super) struct MethodPrediction {
 
 /// All layers, by robot.
 #[derive(Debug)]
-pub(super) struct Layers {
+pub struct Layers {
     pub(super) beliefs: ThinnedSeries<Cloud>,
     pub(super) plans: ThinnedSeries<Path>,
     pub(super) trees: ThinnedSeries<Vec<Edge>>,

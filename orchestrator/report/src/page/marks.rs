@@ -23,7 +23,7 @@ const SENDERS: u32 = 1 << 16;
 
 /// Lines of the marks of each topic, by topic and sender; a point is a line without length.
 #[derive(Debug)]
-pub(super) struct Marks {
+pub struct Marks {
     takes: Vec<TopicId>,
     drawn: Vec<DrawnFields>,
     lines: ThinnedSeries<Vec<[[f64; 2]; 2]>>,

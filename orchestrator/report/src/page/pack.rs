@@ -7,7 +7,7 @@ use flate2::write::ZlibEncoder;
 use serde::Serialize;
 
 /// Code for "no value" in packed positions and values.
-pub(super) const NONE: u16 = u16::MAX;
+pub const NONE: u16 = u16::MAX;
 /// Largest code of a position or a value.
 const MAX_VALUE: f64 = 65_534.0;
 /// Smallest distance between two codes of positions (m).
@@ -15,7 +15,7 @@ const MIN_STEP: f64 = 1e-3;
 
 /// Raster that maps positions to integers: 1 mm, or coarser in a world larger than 65 m.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub(super) struct Raster {
+pub struct Raster {
     /// Position with the codes 0, 0 (m).
     pub(super) origin: [f64; 2],
     /// Distance between two neighbouring codes (m).
@@ -60,14 +60,14 @@ impl Raster {
 }
 
 /// Encodes an angle (rad) in units of 1/65536 turn.
-pub(super) fn pack_angle(theta: f64) -> u16 {
+pub fn pack_angle(theta: f64) -> u16 {
     let turns = theta / core::f64::consts::TAU;
     (((turns - turns.floor()) * 65_536.0).round() as u32 & 0xffff) as u16
 }
 
 /// Values from a minimum to a maximum in 65534 steps.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub(super) struct Range {
+pub struct Range {
     /// Value of code 0.
     pub(super) min: f64,
     /// Value of code 65534.
@@ -106,7 +106,7 @@ impl Range {
 }
 
 /// Encodes a time in units of 0.1 ms, rounded down, so that nothing is shown too late.
-pub(super) fn pack_time(time_ns: u64) -> u32 {
+pub fn pack_time(time_ns: u64) -> u32 {
     u32::try_from(time_ns / 100_000).unwrap_or(u32::MAX)
 }
 
@@ -126,7 +126,7 @@ struct Section {
 
 /// Lists of numbers by name.
 #[derive(Debug, Default)]
-pub(super) struct Lists {
+pub struct Lists {
     data: Vec<u8>,
     sections: Vec<Section>,
 }

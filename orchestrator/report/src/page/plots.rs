@@ -62,7 +62,7 @@ pub struct PlotCurve {
 }
 
 /// Returns all plots in order; moves the curves out of `content`.
-pub(super) fn plots(content: &mut PageContent) -> Vec<Plot> {
+pub fn plots(content: &mut PageContent) -> Vec<Plot> {
     let series = core::mem::take(&mut content.series);
     let watched = series
         .curves
@@ -123,7 +123,7 @@ pub(super) fn plots(content: &mut PageContent) -> Vec<Plot> {
 }
 
 /// Packs plots: their values go into the lists `curve.N.time` and `curve.N.value`.
-pub(super) fn pack(plots: &[Plot], lists: &mut Lists) -> Json {
+pub fn pack(plots: &[Plot], lists: &mut Lists) -> Json {
     let mut number = 0;
     let mut pack = |curve: &PlotCurve| {
         let range = Range::from_values(curve.values.iter().copied());

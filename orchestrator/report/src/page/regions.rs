@@ -15,7 +15,7 @@ const MAX_COORDINATE: f64 = 1e6;
 
 /// Dominance regions, thinned out in space and time. All have the grid of the first.
 #[derive(Debug)]
-pub(super) struct Regions {
+pub struct Regions {
     grid: Option<Grid>,
     /// Owners of the cells, row by row from the smallest y.
     owners: ThinnedSeries<Vec<u8>>,

@@ -15,7 +15,7 @@ const FAIL_SAFE: u8 = 1 << 5;
 const PRESENT: u8 = 1 << 6;
 
 /// Packs everything that has a position; moves the layers out of `content`.
-pub(super) fn pack(content: &mut PageContent, raster: Raster, lists: &mut Lists) {
+pub fn pack(content: &mut PageContent, raster: Raster, lists: &mut Lists) {
     states(content, raster, lists);
     let layers = core::mem::take(&mut content.layers);
     content.layers.horizons_s.clone_from(&layers.horizons_s);

@@ -27,7 +27,7 @@ const ESCAPED: u8 = 2;
 
 /// Quantity of a plot; curves of the same quantity share a plot, in this order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Figure {
+pub enum Figure {
     Outcome,
     Nearest,
     Coverage,
@@ -45,7 +45,7 @@ pub(super) enum Figure {
 
 /// Subject of a curve.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Curve {
+pub enum Curve {
     /// A robot.
     Robot(u32),
     /// A robot and a prediction method.
@@ -58,7 +58,7 @@ pub(super) enum Curve {
 
 /// All curves read so far.
 #[derive(Debug, Default)]
-pub(super) struct Series {
+pub struct Series {
     pub(super) curves: BTreeMap<(Figure, Curve), ThinnedSeries<f64>>,
     /// Sum and number of prediction errors so far.
     errors: BTreeMap<(Figure, Curve), (f64, u64)>,

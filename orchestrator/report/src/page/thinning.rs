@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 /// Timed items by key (for example, a robot) in bounded memory: per key, one item per interval and
 /// the last one. The interval grows when the items exceed the maximum weight.
 #[derive(Debug)]
-pub(super) struct ThinnedSeries<T> {
+pub struct ThinnedSeries<T> {
     interval_ns: u64,
     /// Maximum sum of the weights of the items.
     most: usize,
@@ -19,7 +19,7 @@ pub(super) struct ThinnedSeries<T> {
 
 /// One item.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Sample<T> {
+pub struct Sample<T> {
     pub(super) time_ns: u64,
     pub(super) key: u32,
     pub(super) item: T,

@@ -10,11 +10,11 @@ use statistics::{Distribution, LogHistogram, Percentiles};
 use crate::run_model::LoggedRun;
 
 /// Number of bins of a histogram per power of ten.
-pub(super) const PER_DECADE: u32 = 8;
+pub const PER_DECADE: u32 = 8;
 
 /// Latency collector that starts once the processes are known.
 #[derive(Debug)]
-pub(super) struct Timing {
+pub struct Timing {
     timed: Vec<TopicId>,
     chain: Option<Chain>,
     is_begun: bool,

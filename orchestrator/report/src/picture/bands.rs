@@ -9,24 +9,23 @@ use super::trail::{TrailPoint, simplify};
 const MAX_TRAIL_POINTS: usize = 5000;
 
 /// Parts of a trail: their end (fraction of the time), width (px) and opacity.
-pub(super) const BANDS: [(f64, f64, f64); 3] =
-    [(0.6, 2.0, 0.40), (0.85, 2.6, 0.65), (1.0, 3.4, 1.0)];
+pub const BANDS: [(f64, f64, f64); 3] = [(0.6, 2.0, 0.40), (0.85, 2.6, 0.65), (1.0, 3.4, 1.0)];
 
 /// Parts of a trail; each begins at the last point of the one before.
-pub(super) type Bands = Parts<{ BANDS.len() }>;
+pub type Bands = Parts<{ BANDS.len() }>;
 /// Parts of a trail by the time since then, the oldest first, as [`palette::IDLENESS`] in reverse.
-pub(super) type Ages = Parts<{ palette::IDLENESS.len() }>;
+pub type Ages = Parts<{ palette::IDLENESS.len() }>;
 type Parts<const N: usize> = [Vec<TrailPoint>; N];
 
 /// Returns the parts of all trails, simplified for this scale (px/m).
-pub(super) fn bands(trace: &RunTrace, scale: f64) -> Vec<Bands> {
+pub fn bands(trace: &RunTrace, scale: f64) -> Vec<Bands> {
     parts(trace, scale, |first, last| {
         BANDS.map(|(part, _, _)| first + part * (last - first))
     })
 }
 
 /// Returns the parts of the trails of the robots that sweep, by the time since then; of the others nothing.
-pub(super) fn ages(trace: &RunTrace, scale: f64) -> Vec<Ages> {
+pub fn ages(trace: &RunTrace, scale: f64) -> Vec<Ages> {
     let [new, middle, old] = palette::idleness_bounds(trace.time_s);
     let now = trace.time_s;
     let ages = parts(trace, scale, |_, last| {

@@ -15,7 +15,7 @@ const MAX_POINTS: usize = 2000;
 const MAX_RECTANGLES: usize = 500;
 
 /// Draws the dominance regions, below all robots.
-pub(super) fn dominance(canvas: &mut Canvas, layout: &Layout, trace: &RunTrace) {
+pub fn dominance(canvas: &mut Canvas, layout: &Layout, trace: &RunTrace) {
     let Some(dominance) = &trace.dominance else {
         return;
     };
@@ -48,7 +48,7 @@ fn fill(canvas: &mut Canvas, layout: &Layout, cells: &Cells, color: &str, opacit
 }
 
 /// Draws the trees, and the plans over them.
-pub(super) fn plans(canvas: &mut Canvas, layout: &Layout, trace: &RunTrace) {
+pub fn plans(canvas: &mut Canvas, layout: &Layout, trace: &RunTrace) {
     let edges: usize = trace.trees.iter().map(|tree| tree.edges.len()).sum();
     let step = edges.div_ceil(MAX_EDGES).max(1);
     canvas.add(format_args!(
@@ -104,7 +104,7 @@ pub(super) fn plans(canvas: &mut Canvas, layout: &Layout, trace: &RunTrace) {
 }
 
 /// Draws a ring at what a robot heads for (px).
-pub(super) fn aim_sign(canvas: &mut Canvas, [x, y]: [f64; 2], color: &str) {
+pub fn aim_sign(canvas: &mut Canvas, [x, y]: [f64; 2], color: &str) {
     for radius in [6.0, 1.0] {
         canvas.add(format_args!(
             "<circle cx=\"{}\" cy=\"{}\" r=\"{radius}\" stroke=\"{color}\"/>\n",
@@ -115,7 +115,7 @@ pub(super) fn aim_sign(canvas: &mut Canvas, [x, y]: [f64; 2], color: &str) {
 }
 
 /// Draws a ring of this radius around an evader (px): whether it can escape.
-pub(super) fn verdict_sign(canvas: &mut Canvas, [x, y]: [f64; 2], radius: f64, is_possible: bool) {
+pub fn verdict_sign(canvas: &mut Canvas, [x, y]: [f64; 2], radius: f64, is_possible: bool) {
     let (color, dashes) = if is_possible {
         (palette::EXIT, "")
     } else {

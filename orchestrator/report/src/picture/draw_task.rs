@@ -10,18 +10,18 @@ use super::trace::RunTrace;
 use crate::run_model::corners;
 
 /// Opacity of swept ground.
-pub(super) const SWEPT_OPACITY: f64 = 0.45;
+pub const SWEPT_OPACITY: f64 = 0.45;
 /// Style of a contour: a thin dark line.
-pub(super) const CONTOUR: &str =
+pub const CONTOUR: &str =
     "fill=\"none\" stroke=\"#1f2430\" stroke-width=\"1.6\" stroke-linejoin=\"round\"";
 /// Style of a danger zone: vermilion.
-pub(super) const ZONE: &str = "fill=\"#d55e00\" fill-opacity=\"0.12\" stroke=\"#d55e00\" \
+pub const ZONE: &str = "fill=\"#d55e00\" fill-opacity=\"0.12\" stroke=\"#d55e00\" \
                                stroke-width=\"1.5\" stroke-dasharray=\"2 3\"";
 /// Style of a robot's goal: blue-green, dotted.
-pub(super) const GOAL: &str = "fill=\"#009e73\" fill-opacity=\"0.12\" stroke=\"#009e73\" \
+pub const GOAL: &str = "fill=\"#009e73\" fill-opacity=\"0.12\" stroke=\"#009e73\" \
                                stroke-width=\"2\" stroke-dasharray=\"2 3\"";
 /// Style of a rectangle of the free space.
-pub(super) const RECTANGLE: &str =
+pub const RECTANGLE: &str =
     "fill=\"none\" stroke=\"#5b6472\" stroke-width=\"1\" stroke-dasharray=\"5 3\"";
 
 /// Width of the line of a patrol's places (px).
@@ -32,7 +32,7 @@ const SIZES: [f64; 2] = [3.5, 2.2];
 const MANY: usize = 300;
 
 /// Draws swept ground, danger zones, rectangles, goals and contours, below the trails.
-pub(super) fn below(canvas: &mut Canvas, layout: &Layout, trace: &RunTrace) {
+pub fn below(canvas: &mut Canvas, layout: &Layout, trace: &RunTrace) {
     let task = &trace.task;
     swept(canvas, layout, trace);
     canvas.add(format_args!(
@@ -134,7 +134,7 @@ fn places(canvas: &mut Canvas, layout: &Layout, trace: &RunTrace) {
 }
 
 /// Draws the waypoints that have ended, over the trails.
-pub(super) fn waypoints(canvas: &mut Canvas, layout: &Layout, trace: &RunTrace) {
+pub fn waypoints(canvas: &mut Canvas, layout: &Layout, trace: &RunTrace) {
     let all = &trace.task.waypoints;
     let half = SIZES[usize::from(all.len() > MANY)];
     canvas.add(format_args!("<g class=\"waypoints\">\n"));
@@ -148,7 +148,7 @@ pub(super) fn waypoints(canvas: &mut Canvas, layout: &Layout, trace: &RunTrace) 
 
 /// Draws waypoints at these places (px): squares if they were reached, else crosses; `half` is half
 /// their size (px).
-pub(super) fn waypoint_signs(
+pub fn waypoint_signs(
     canvas: &mut Canvas,
     places: impl IntoIterator<Item = [f64; 2]>,
     is_reached: bool,

@@ -5,7 +5,7 @@ const GAPS: [f64; 3] = [3.0, 10.0, 20.0];
 
 /// A rectangle on the page (px).
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Area {
+pub struct Area {
     pub(super) left: f64,
     pub(super) top: f64,
     pub(super) right: f64,
@@ -44,7 +44,7 @@ impl Area {
 
 /// Areas and points of the map that are already in use.
 #[derive(Debug)]
-pub(super) struct Labels {
+pub struct Labels {
     within: Area,
     /// Areas that no label may cover.
     taken: Vec<Area>,

@@ -17,11 +17,11 @@ const HEADER: f64 = 62.0;
 /// Space between map and legend (px).
 const GUTTER: f64 = 28.0;
 /// Width of the legend (px).
-pub(super) const LEGEND: f64 = 258.0;
+pub const LEGEND: f64 = 258.0;
 
 /// The layout: a title, the map below it, the legend to its right.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Layout {
+pub struct Layout {
     /// Width of the page (px).
     pub(super) width: f64,
     /// Height of the page (px).

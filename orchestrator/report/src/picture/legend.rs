@@ -64,7 +64,7 @@ enum TaskSign {
 }
 
 /// The legend of one picture.
-pub(super) struct Legend {
+pub struct Legend {
     /// Lines of the description.
     description: Vec<String>,
     rows: Rows<RowSign>,
@@ -420,7 +420,7 @@ fn square(canvas: &mut Canvas, at: [f64; 2], fill: &str, edge: &str) {
 
 /// Draws a bar of a round length below the legend, its line at `y` (px); `enlarged` is the factor
 /// by which the smallest robots are enlarged.
-pub(super) fn scale_bar(canvas: &mut Canvas, left: f64, y: f64, scale: f64, enlarged: f64) {
+pub fn scale_bar(canvas: &mut Canvas, left: f64, y: f64, scale: f64, enlarged: f64) {
     let (metres, pixels) = round_length(scale);
     let (x0, x1) = (Num(left + 2.0), Num(left + 2.0 + pixels));
     canvas.add(format_args!(

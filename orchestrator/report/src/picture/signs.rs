@@ -7,19 +7,12 @@ use geometry::math;
 use super::trace::MarkKind;
 
 /// Half the size of a mark (px).
-pub(super) const MARK: f64 = 7.0;
+pub const MARK: f64 = 7.0;
 /// Colour of the rim of symbols that lie on trails.
-pub(super) const HALO: &str = "#ffffff";
+pub const HALO: &str = "#ffffff";
 
 /// Draws a robot: a disc with a nose.
-pub(super) fn disc(
-    canvas: &mut Canvas,
-    at: [f64; 2],
-    radius: f64,
-    theta: f64,
-    color: &str,
-    active: bool,
-) {
+pub fn disc(canvas: &mut Canvas, at: [f64; 2], radius: f64, theta: f64, color: &str, active: bool) {
     let (sin, cos) = math::sincos(theta);
     // The page's y axis points down.
     let point = |along: f64, across: f64| {
@@ -51,7 +44,7 @@ pub(super) fn disc(
 
 /// A symbol on the map.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Sign {
+pub enum Sign {
     /// Start of a robot.
     Start,
     /// Place of an event.
@@ -59,7 +52,7 @@ pub(super) enum Sign {
 }
 
 /// Draws a symbol; `color` is that of a start or of the rim of a mark.
-pub(super) fn sign(canvas: &mut Canvas, sign: Sign, at: [f64; 2], color: &str) {
+pub fn sign(canvas: &mut Canvas, sign: Sign, at: [f64; 2], color: &str) {
     let [x, y] = at;
     match sign {
         Sign::Start => canvas.add(format_args!(

@@ -70,7 +70,7 @@ impl Trail {
 
 /// Simplifies a line to the points that keep it within `tolerance` (m) of the original
 /// (Douglas–Peucker, without recursion).
-pub(super) fn simplify(points: &[TrailPoint], tolerance: f64) -> Vec<TrailPoint> {
+pub fn simplify(points: &[TrailPoint], tolerance: f64) -> Vec<TrailPoint> {
     let Some(end) = points.len().checked_sub(1) else {
         return Vec::new();
     };

@@ -13,7 +13,7 @@ use super::static_scene::StaticScene;
 
 /// Facts of a run, from the part of the log that has been read.
 #[derive(Debug, Default)]
-pub(crate) struct Facts {
+pub struct Facts {
     /// Manifest, scenario and result.
     pub(crate) origin: Origin,
     /// `true` if the log was repaired.

@@ -24,7 +24,7 @@ const MAX_COORDINATE: f64 = 1e6;
 
 /// Purpose of reading a log.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Purpose {
+pub enum Purpose {
     /// A picture of a moment (ns): uses the newest map; fails if a message cannot be read.
     Picture {
         /// The moment; later messages only determine the end of the run.
@@ -36,7 +36,7 @@ pub(crate) enum Purpose {
 
 /// State of a run after the part of the log that has been read; all consumers of messages share it.
 #[derive(Debug)]
-pub(crate) struct LoggedRun {
+pub struct LoggedRun {
     purpose: Purpose,
     /// Facts from metadata and attachments.
     pub(crate) facts: Facts,
@@ -275,6 +275,6 @@ impl LoggedRun {
 }
 
 /// Returns `true` if a position (m) can be in a world of Protean.
-pub(crate) fn is_near(place: [f64; 2]) -> bool {
+pub fn is_near(place: [f64; 2]) -> bool {
     place.iter().all(|c| c.abs() <= MAX_COORDINATE)
 }

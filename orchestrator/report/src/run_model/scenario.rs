@@ -15,7 +15,7 @@ use super::task::TaskTrace;
 /// The parts of the logged scenario that a picture needs. Other parts are ignored, so that a
 /// picture does not depend on them.
 #[derive(Debug, Deserialize)]
-pub(crate) struct LoggedScenario {
+pub struct LoggedScenario {
     #[serde(default)]
     pub(crate) title: String,
     #[serde(default)]
@@ -28,13 +28,13 @@ pub(crate) struct LoggedScenario {
 
 /// The table `[world]` of the scenario.
 #[derive(Debug, Deserialize)]
-pub(crate) struct LoggedWorld {
+pub struct LoggedWorld {
     pub(crate) map: MapSpec,
 }
 
 /// Reason why a logged scenario is not drawn.
 #[derive(Debug, thiserror::Error)]
-pub(crate) enum ScenarioFault {
+pub enum ScenarioFault {
     #[error(transparent)]
     Encoding(#[from] str::Utf8Error),
     #[error(transparent)]

@@ -236,7 +236,7 @@ impl Cells {
 
 /// Returns the corners of a shape (m), counter-clockwise (SVG leaves holes where shapes of opposite
 /// orientation overlap); none for a circle.
-pub(crate) fn corners(shape: &Shape) -> Vec<[f64; 2]> {
+pub fn corners(shape: &Shape) -> Vec<[f64; 2]> {
     match shape {
         Shape::Circle { .. } => Vec::new(),
         Shape::Polygon { vertices } => {
@@ -261,7 +261,7 @@ pub(crate) fn corners(shape: &Shape) -> Vec<[f64; 2]> {
 }
 
 /// Returns the corners of a rectangle (m).
-pub(crate) fn rectangle(center: [f64; 2], half_extents: [f64; 2], angle: f64) -> Vec<[f64; 2]> {
+pub fn rectangle(center: [f64; 2], half_extents: [f64; 2], angle: f64) -> Vec<[f64; 2]> {
     let (sin, cos) = math::sincos(angle);
     [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
         .map(|(sx, sy)| {

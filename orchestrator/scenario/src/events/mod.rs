@@ -97,11 +97,11 @@ pub fn resolve(
 ) -> Vec<EventSpec> {
     let blocks = ctx.blocks("events");
     if let Some((path, node)) = blocks.get(MAX_EVENTS) {
-        let problem = ctx
-            .block_problem(node.origin, path, Code::Limit, "too many events")
-            .value(blocks.len())
-            .expected(format!("at most {MAX_EVENTS} events"));
-        ctx.problems.push(problem);
+        ctx.problems.push(
+            ctx.block_problem(node.origin, path, Code::Limit, "too many events")
+                .value(blocks.len())
+                .expected(format!("at most {MAX_EVENTS} events")),
+        );
         return Vec::new();
     }
     let mut read: Vec<(EventSpec, FieldPath, Node)> = Vec::with_capacity(blocks.len());
@@ -144,12 +144,11 @@ pub fn resolve(
             Err(_) if unread.contains(&event.obstacle) => {}
             Err(found) => {
                 let blank = ctx.problem(&node, &path, found.field, found.code, found.message);
-                let problem = Diagnostic {
+                ctx.problems.push(Diagnostic {
                     expected: found.expected,
                     help: found.help,
                     ..blank
-                };
-                ctx.problems.push(problem);
+                });
             }
         }
     }

@@ -174,11 +174,11 @@ struct EventProblems<'a, 'c> {
 impl EventProblems<'_, '_> {
     /// Reports a problem and returns `None`.
     fn report<T>(&mut self, field: &str, code: Code, message: &str, expected: &str) -> Option<T> {
-        let problem = self
-            .ctx
-            .problem(self.node, self.path, field, code, message)
-            .expected(expected);
-        self.ctx.problems.push(problem);
+        self.ctx.problems.push(
+            self.ctx
+                .problem(self.node, self.path, field, code, message)
+                .expected(expected),
+        );
         None
     }
 

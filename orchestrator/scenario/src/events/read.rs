@@ -60,10 +60,10 @@ pub(super) fn event(
     } = block;
     let moment = moment::resolve(ctx, node, path, (time_s, when, after_s), map, robots);
     let mut report = |ctx: &mut Context<'_>, field: &str, code, message: &str, expected: &str| {
-        let problem = ctx
-            .problem(node, path, field, code, message)
-            .expected(expected);
-        ctx.problems.push(problem);
+        ctx.problems.push(
+            ctx.problem(node, path, field, code, message)
+                .expected(expected),
+        );
         fine = false;
     };
     if obstacle.is_empty() {

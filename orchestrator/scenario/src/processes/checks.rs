@@ -16,16 +16,16 @@ pub fn check_names(ctx: &mut Context<'_>, read: &[ProcessEntry]) {
         let name = &r.spec.name;
         if RESERVED.contains(&name.as_str()) {
             let message = format!("`{name}` is reserved");
-            let problem = ctx
-                .block_problem(r.origin, &r.path.then("name"), Code::Duplicate, message)
-                .expected("another name");
-            ctx.problems.push(problem);
+            ctx.problems.push(
+                ctx.block_problem(r.origin, &r.path.then("name"), Code::Duplicate, message)
+                    .expected("another name"),
+            );
         } else if read.iter().take(i).any(|o| o.spec.name == *name) {
             let message = format!("two processes are called `{name}`");
-            let problem = ctx
-                .block_problem(r.origin, &r.path.then("name"), Code::Duplicate, message)
-                .expected("a unique name for every process (`name = \"…\"`)");
-            ctx.problems.push(problem);
+            ctx.problems.push(
+                ctx.block_problem(r.origin, &r.path.then("name"), Code::Duplicate, message)
+                    .expected("a unique name for every process (`name = \"…\"`)"),
+            );
         }
     }
 }
@@ -97,10 +97,10 @@ fn check_sole_writers(
                 "two processes write {flow}, `{}` and `{}`",
                 first.spec.name, r.spec.name
             );
-            let problem = ctx
-                .block_problem(r.origin, &r.path, Code::Requirement, message)
-                .expected("at most one");
-            ctx.problems.push(problem);
+            ctx.problems.push(
+                ctx.block_problem(r.origin, &r.path, Code::Requirement, message)
+                    .expected("at most one"),
+            );
         }
     }
 }
@@ -129,10 +129,10 @@ fn check_writers(
                 || "a process of a kind that writes it".to_owned(),
                 |kind| format!("a [[processes]] block with kind = \"{}\"", kind.name),
             );
-            let problem = ctx
-                .block_problem(r.origin, &r.path, Code::Requirement, message)
-                .expected(expected);
-            ctx.problems.push(problem);
+            ctx.problems.push(
+                ctx.block_problem(r.origin, &r.path, Code::Requirement, message)
+                    .expected(expected),
+            );
         }
     }
 }
@@ -168,10 +168,10 @@ fn check_circles(
         "processes wait for each other within a tick: {}",
         named.collect::<Vec<_>>().join(", ")
     );
-    let problem = ctx
-        .block_problem(r.origin, &r.path, Code::Requirement, message)
-        .expected("inputs of the tick before for one of them");
-    ctx.problems.push(problem);
+    ctx.problems.push(
+        ctx.block_problem(r.origin, &r.path, Code::Requirement, message)
+            .expected("inputs of the tick before for one of them"),
+    );
 }
 
 /// Equipment of a robot that the process driving it needs.
@@ -229,11 +229,11 @@ fn check_robots(
                 kind.kind().name
             );
             let path = robot.path.then(equipment.key);
-            let problem = ctx
-                .block_problem(robot.node.origin, &path, Code::Requirement, message)
-                .expected(equipment.expected)
-                .help(equipment.help);
-            ctx.problems.push(problem);
+            ctx.problems.push(
+                ctx.block_problem(robot.node.origin, &path, Code::Requirement, message)
+                    .expected(equipment.expected)
+                    .help(equipment.help),
+            );
         }
     }
 }

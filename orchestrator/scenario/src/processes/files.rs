@@ -34,11 +34,11 @@ pub fn insert(
                 }
             }
             Err(refused) => {
-                let problem = ctx
-                    .problem(&filled, path, key, Code::File, refused.message)
-                    .value(file)
-                    .expected(refused.expected);
-                ctx.problems.push(problem);
+                ctx.problems.push(
+                    ctx.problem(&filled, path, key, Code::File, refused.message)
+                        .value(file)
+                        .expected(refused.expected),
+                );
                 return None;
             }
         }

@@ -43,12 +43,12 @@ pub fn resolve(
         read::block(ctx, base, &node, &path, robots, run, &mut read);
     }
     if let Some(extra) = read.get(MAX_PROCESSES) {
-        let problem = ctx
-            .block_problem(extra.origin, &extra.path, Code::Limit, "too many processes")
-            .value(read.len())
-            .expected(format!("at most {MAX_PROCESSES} processes"))
-            .help("let one process drive several robots: grouping = \"together\"");
-        ctx.problems.push(problem);
+        ctx.problems.push(
+            ctx.block_problem(extra.origin, &extra.path, Code::Limit, "too many processes")
+                .value(read.len())
+                .expected(format!("at most {MAX_PROCESSES} processes"))
+                .help("let one process drive several robots: grouping = \"together\""),
+        );
     }
     check_names(ctx, &read);
     // A process that is unreadable may drive the robots without a driver.
@@ -96,7 +96,7 @@ fn register_topics(ctx: &mut Context<'_>, node: &Node, path: &FieldPath) {
         && let Err(fault) = written.register()
     {
         let message = fault.to_string();
-        let problem = ctx.problem(node, path, "declaration", Code::OutOfRange, message);
-        ctx.problems.push(problem);
+        ctx.problems
+            .push(ctx.problem(node, path, "declaration", Code::OutOfRange, message));
     }
 }

@@ -1,8 +1,7 @@
 //! Reading one `[[processes]]` block.
 
-use config::{Code, FieldPath, Node, Origin, ReadFault, Step, describe, suggest};
+use config::{Code, FieldPath, Node, Origin, Step, describe, suggest};
 use runtime::declaration::Flow;
-use scenario_files::renamed;
 
 use super::files;
 use crate::context::Context;
@@ -87,12 +86,12 @@ pub fn block(
     };
     if !driven.is_empty() && node.get("declaration").is_some() {
         let message = "a program with a `declaration` drives no robots";
-        let problem = ctx
-            .problem(node, path, "declaration", Code::Requirement, message)
-            .expected(
-                "no `declaration` of a program with robots; the run reads its inputs from it",
-            );
-        ctx.problems.push(problem);
+        ctx.problems.push(
+            ctx.problem(node, path, "declaration", Code::Requirement, message)
+                .expected(
+                    "no `declaration` of a program with robots; the run reads its inputs from it",
+                ),
+        );
         return;
     }
     let Some(supervision) = failure::read(ctx, node, path, &block, run) else {
@@ -152,10 +151,10 @@ fn read_period(
     } else {
         return Some(period);
     };
-    let problem = ctx
-        .problem(node, path, "period", Code::OutOfRange, message)
-        .expected(expected);
-    ctx.problems.push(problem);
+    ctx.problems.push(
+        ctx.problem(node, path, "period", Code::OutOfRange, message)
+            .expected(expected),
+    );
     None
 }
 
@@ -236,12 +235,12 @@ fn read_program<'k>(
                 let names: Vec<&str> = ctx.kinds.iter().map(|k| k.name).collect();
                 let message = format!("unknown process kind `{kind}`");
                 let blank = ctx.problem(node, path, "kind", Code::UnknownName, message);
-                match renamed::present_name(kind) {
-                    Some(present) => blank.help(format!("did you mean `{present}`?")),
-                    None if kind == OPTIONAL => blank.help(
+                if kind == OPTIONAL {
+                    blank.help(
                         "this program is built without it; the Python wheel has it, and a program built with --features ros2",
-                    ),
-                    None => suggest(blank, kind, &names, ""),
+                    )
+                } else {
+                    suggest(blank, kind, &names, "")
                 }
             }
         }
@@ -292,10 +291,10 @@ fn params_of(ctx: &mut Context<'_>, node: &Node, path: &FieldPath) -> Option<Nod
     let params = node.get("params").unwrap_or(&empty);
     if params.as_table().is_none() {
         let message = format!("wrong type: {}", params.type_name());
-        let problem = ctx
-            .problem(params, &path, "", Code::WrongType, message)
-            .expected("a table");
-        ctx.problems.push(problem);
+        ctx.problems.push(
+            ctx.problem(params, &path, "", Code::WrongType, message)
+                .expected("a table"),
+        );
         return None;
     }
     Some(params.clone())
@@ -325,8 +324,8 @@ fn read_params(
             }
         }
         Err(ParamsProblem::Write(message)) => {
-            let problem = ctx.problem(params, &path, "", Code::OutOfRange, message);
-            ctx.problems.push(problem);
+            ctx.problems
+                .push(ctx.problem(params, &path, "", Code::OutOfRange, message));
         }
     }
     None
@@ -363,13 +362,7 @@ fn apply_preset(
 /// Reports every key of `params` that the kind cannot read.
 fn report_all(ctx: &mut Context<'_>, kind: &Kind, left: &mut Node, path: &FieldPath) {
     while let Err(ParamsProblem::Read(error)) = kind.read(left) {
-        let mut problem = describe(&ctx.sources, &error, path);
-        if let ReadFault::UnknownKey { key, .. } = &error.fault
-            && let Some(present) = renamed::present_name(key)
-        {
-            problem = problem.help(format!("did you mean `{present}`?"));
-        }
-        ctx.problems.push(problem);
+        ctx.problems.push(describe(&ctx.sources, &error, path));
         let Some(Step::Key(key)) = error.path.0.first() else {
             return;
         };
@@ -390,16 +383,16 @@ fn read_robots(
 ) -> Option<Vec<usize>> {
     let named = block.robots.as_deref();
     if named.is_some() && block.team.is_some() {
-        let problem = ctx
-            .problem(
+        ctx.problems.push(
+            ctx.problem(
                 node,
                 path,
                 "team",
                 Code::Requirement,
                 "both `robots` and `team`",
             )
-            .expected("one of them");
-        ctx.problems.push(problem);
+            .expected("one of them"),
+        );
         return None;
     }
     let drives = kind.is_none_or(|kind| kind.declaration().drives_robots());
@@ -408,10 +401,10 @@ fn read_robots(
         if named.is_some() || block.team.is_some() {
             let kind = kind.map_or("", |kind| kind.kind().name);
             let message = format!("a process of kind `{kind}` drives no robots");
-            let problem = ctx
-                .problem(node, path, gives, Code::Requirement, message)
-                .expected(format!("no `{gives}`"));
-            ctx.problems.push(problem);
+            ctx.problems.push(
+                ctx.problem(node, path, gives, Code::Requirement, message)
+                    .expected(format!("no `{gives}`")),
+            );
             return None;
         }
         return Some(Vec::new());
@@ -425,15 +418,15 @@ fn read_robots(
         (None, None) => Vec::new(),
     };
     if driven.is_empty() && kind.is_some() {
-        let problem = ctx
-            .block_problem(
+        ctx.problems.push(
+            ctx.block_problem(
                 node.origin,
                 path,
                 Code::Requirement,
                 "this process drives no robot",
             )
-            .expected("robots = [\"…\"] or team = \"…\"");
-        ctx.problems.push(problem);
+            .expected("robots = [\"…\"] or team = \"…\""),
+        );
         return None;
     }
     driven.sort_unstable();
@@ -454,8 +447,8 @@ fn named_robots(
         match robots.iter().position(|r| r.spec.name == *name) {
             Some(index) if driven.contains(&index) => {
                 let message = format!("robot `{name}` occurs twice in the list");
-                let problem = ctx.problem(node, path, &field, Code::Duplicate, message);
-                ctx.problems.push(problem);
+                ctx.problems
+                    .push(ctx.problem(node, path, &field, Code::Duplicate, message));
                 fine = false;
             }
             Some(index) => driven.push(index),

@@ -65,8 +65,8 @@ pub fn check(
                 let list = FieldPath::parse("world.map.vector.obstacles");
                 let path = list.step(Step::Index(index));
                 let origin = ctx.root.origin_along(&path);
-                let problem = ctx.block_problem(origin, &path, Code::Geometry, message);
-                ctx.problems.push(problem);
+                ctx.problems
+                    .push(ctx.block_problem(origin, &path, Code::Geometry, message));
             }
         }
     }
@@ -102,14 +102,16 @@ fn check_pieces(
         }
         Err(e) => (e.to_string(), String::new()),
     };
-    let problem = ctx
-        .block_problem(ctx.root.origin_along(&path), &path, Code::Limit, message)
-        .value(value)
-        .expected(format!(
-            "at most {} corners: {} rectangles of a grid",
-            shapes::MAX_POINTS,
-            shapes::MAX_POINTS / 4
-        ))
-        .help("use coarser cells, remove noise from the map, or use obstacles with fewer corners");
-    ctx.problems.push(problem);
+    ctx.problems.push(
+        ctx.block_problem(ctx.root.origin_along(&path), &path, Code::Limit, message)
+            .value(value)
+            .expected(format!(
+                "at most {} corners: {} rectangles of a grid",
+                shapes::MAX_POINTS,
+                shapes::MAX_POINTS / 4
+            ))
+            .help(
+                "use coarser cells, remove noise from the map, or use obstacles with fewer corners",
+            ),
+    );
 }

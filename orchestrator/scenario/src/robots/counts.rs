@@ -27,11 +27,11 @@ pub fn check(ctx: &mut Context<'_>, blocks: &[(FieldPath, Node)]) -> bool {
             continue;
         }
         let message = format!("`{path}` belongs to {heirs} [[robots]] blocks");
-        let problem = ctx
-            .block_problem(count.origin, &path, Code::Requirement, message)
-            .value(count.render_short())
-            .expected("one block of the team without its own `count`");
-        ctx.problems.push(problem);
+        ctx.problems.push(
+            ctx.block_problem(count.origin, &path, Code::Requirement, message)
+                .value(count.render_short())
+                .expected("one block of the team without its own `count`"),
+        );
         holds = false;
     }
     holds
@@ -59,11 +59,11 @@ pub fn check_block(
     } else {
         return check_name(ctx, node, path, "name", &numbered(name, count));
     };
-    let problem = ctx
-        .problem(node, path, "count", code, message)
-        .value(count)
-        .expected(expected);
-    ctx.problems.push(problem);
+    ctx.problems.push(
+        ctx.problem(node, path, "count", code, message)
+            .value(count)
+            .expected(expected),
+    );
     false
 }
 

@@ -88,10 +88,10 @@ fn check_same(ctx: &mut Context<'_>, first: &Robot, robot: &Robot) {
         "`{key}` differs within team `{team}`, between `{}` and `{}`",
         first.spec.name, robot.spec.name
     );
-    let problem = ctx
-        .problem(&robot.node, &robot.path, key, Code::Requirement, message)
-        .expected(format!("`{key}` in [teams.{team}], for all of its robots"));
-    ctx.problems.push(problem);
+    ctx.problems.push(
+        ctx.problem(&robot.node, &robot.path, key, Code::Requirement, message)
+            .expected(format!("`{key}` in [teams.{team}], for all of its robots")),
+    );
 }
 
 /// Reports opponents that are no team, or a team without the opposite role.

@@ -121,7 +121,7 @@ fn by_index(step: &Step) -> Step {
 }
 
 /// Returns the cells in order; cells with an invalid scenario are reported and left out.
-pub(super) fn build(
+pub fn build(
     reader: &mut Reader,
     cases: &[CaseDraft<Draft<'static>>],
     parameters: &[Parameter],
@@ -249,7 +249,7 @@ fn unfit<D>(
 }
 
 /// Hash of everything on which a run of the scenario depends, without its seed.
-pub(super) fn fingerprint(mut scenario: ResolvedScenario) -> String {
+pub fn fingerprint(mut scenario: ResolvedScenario) -> String {
     let defaults = spec::RunSpec::default();
     scenario.title.clear();
     scenario.description.clear();

@@ -21,10 +21,6 @@ use scenario::{Draft, Loader, builtin};
 /// The prefix of a built-in scenario.
 const BUILTIN: &str = "builtin:";
 
-#[expect(
-    private_interfaces,
-    reason = "the parts of an experiment file are read inside this crate"
-)]
 impl Subject for Mission {
     type Row = Row;
     type Draft = Draft<'static>;

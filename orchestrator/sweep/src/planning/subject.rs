@@ -33,10 +33,6 @@ pub fn is_planning(path: &Path) -> bool {
     kind.as_deref() == Some("planning")
 }
 
-#[expect(
-    private_interfaces,
-    reason = "the parts of an experiment file are read inside this crate"
-)]
 impl Subject for Task {
     type Row = PlanRow;
     type Draft = ();

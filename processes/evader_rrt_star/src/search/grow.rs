@@ -19,7 +19,6 @@ const MIN_USEFUL: f64 = 1e-4;
 
 impl<M: Motion> Search<M> {
     pub(super) fn iterate(&mut self, scene: &Scene<'_>) {
-        self.iterations += 1;
         let dice = uniform(&mut self.rng);
         let refines = self.is_improved() && self.best.1 != NONE;
         if dice < self.params.goal_bias {

@@ -13,7 +13,7 @@ const MAX_MOVED: usize = 64;
 
 /// A possible parent.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Candidate {
+pub struct Candidate {
     node: u32,
     link: Link,
     edge: f64,
@@ -23,7 +23,7 @@ pub(super) struct Candidate {
 
 /// New values of a node behind a rewired one.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct NodeUpdate {
+pub struct NodeUpdate {
     node: u32,
     heading: f64,
     edge: f64,
@@ -33,7 +33,7 @@ pub(super) struct NodeUpdate {
 
 /// Chosen parent.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct ParentChoice {
+pub struct ParentChoice {
     pub parent: u32,
     pub link: Link,
     pub edge: f64,

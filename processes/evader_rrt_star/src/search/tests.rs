@@ -116,7 +116,7 @@ fn rewired_costs_reach_every_node_behind() {
         let scene = scene(&collision_map, cost);
         for seed in 0..3 {
             let search = searched(&scene, Straight, SearchParams::default(), seed, 1500);
-            assert!(search.progress().best.is_finite());
+            assert!(search.best.0.is_finite());
             is_consistent(&search, &scene);
         }
     }
@@ -150,9 +150,8 @@ fn the_length_comes_down_to_the_shortest_ways() {
     let graph = TangentGraph::new(&collision_map.space, RADIUS).unwrap();
     let optimum = graph.distance(FROM.position(), TO).unwrap();
     for seed in 0..5 {
-        let best = searched(&scene, Straight, SearchParams::default(), seed, 4000)
-            .progress()
-            .best;
+        let search = searched(&scene, Straight, SearchParams::default(), seed, 4000);
+        let best = search.best.0;
         // Never shorter than the shortest, up to the contact tolerance.
         assert!(best > optimum - 1e-6, "seed {seed}: {best} for {optimum}");
         assert!(best < optimum * 1.002, "seed {seed}: {best} for {optimum}");
@@ -168,7 +167,7 @@ fn more_iterations_never_make_the_way_dearer() {
     let mut last = f64::INFINITY;
     for _ in 0..60 {
         search.run(&scene, 50);
-        let best = search.progress().best;
+        let best = search.best.0;
         assert!(best <= last, "{best} after {last}");
         last = best;
     }
@@ -238,7 +237,7 @@ fn a_goal_behind_walls_is_not_reached_but_come_near_to() {
     let scene = scene(&collision_map, &cost);
     let search = searched(&scene, Straight, SearchParams::default(), 1, 500);
     assert!(search.way().is_empty());
-    assert!(search.progress().best.is_infinite());
+    assert!(search.best.0.is_infinite());
     let end = search.partial_way().last().unwrap().pose.position();
     assert!(
         (end - TO).norm() < (FROM.position() - TO).norm() - 2.0,
@@ -281,9 +280,9 @@ fn a_warm_start_keeps_the_way_and_makes_its_costs_anew() {
     let bound = Bound::straight(here, &[TO]);
     search.replant(&scene, root, &[TO], bound, false);
     let expected = before.last().unwrap().cost - 0.3 * before[1].length;
-    let kept = search.progress();
-    assert!(kept.best <= expected + 1e-9, "{} for {expected}", kept.best);
-    assert!(kept.nodes > before.len());
+    let best = search.best.0;
+    assert!(best <= expected + 1e-9, "{best} for {expected}");
+    assert!(search.tree.len() > before.len());
     is_consistent(&search, &scene);
 
     // The same with a new obstacle on the path, and all paths checked again.
@@ -315,7 +314,7 @@ fn another_goal_keeps_no_nodes() {
         Bound::straight(FROM.position(), &goals),
         false,
     );
-    assert_eq!(search.progress().nodes, 2);
+    assert_eq!(search.tree.len(), 2);
 }
 
 #[test]
@@ -351,6 +350,6 @@ proptest! {
         is_consistent(&search, &scene);
         let graph = TangentGraph::new(&collision_map.space, RADIUS).unwrap();
         let optimum = graph.distance(FROM.position(), TO).unwrap();
-        prop_assert!(search.progress().best > optimum - 1e-6);
+        prop_assert!(search.best.0 > optimum - 1e-6);
     }
 }

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use super::{build, folder};
-use crate::{Library, header};
+use super::{build, folder, header};
+use crate::Library;
 
 #[test]
 fn the_header_of_the_example_is_the_declared_one() {

@@ -37,7 +37,7 @@ struct Meeting {
 
 /// Right of way of all robots, the same in every navigator.
 #[derive(Debug, Clone, Default)]
-pub(super) struct RightOfWay {
+pub struct RightOfWay {
     robots: Vec<RobotInfo>,
     /// Distance that plans keep from obstacles beyond the radius (m).
     margin: f64,

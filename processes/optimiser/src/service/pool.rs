@@ -15,7 +15,7 @@ use trajectory_problem::{Options, Problem};
 use crate::wire::Refusal;
 
 /// Request in the queue.
-pub(super) struct Job {
+pub struct Job {
     /// Unique identifier.
     pub id: u64,
     /// Problem to solve.
@@ -31,7 +31,7 @@ pub(super) struct Job {
 }
 
 /// Result of a request.
-pub(super) struct JobResult {
+pub struct JobResult {
     /// [`Job::id`].
     pub id: u64,
     /// The plan, or the reason for the lack of one.
@@ -57,7 +57,7 @@ struct Jobs {
 }
 
 /// Threads that plan; dropping it ends them.
-pub(super) struct Pool {
+pub struct Pool {
     shared: Arc<PoolState>,
     threads: Vec<JoinHandle<()>>,
 }

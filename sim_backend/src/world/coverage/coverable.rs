@@ -5,7 +5,7 @@ use nalgebra::Point2;
 use geometry::grid::GridFrame;
 
 /// Known properties of the cells.
-pub(super) struct CoverageDomain<'a> {
+pub struct CoverageDomain<'a> {
     /// Frame of the cells.
     pub frame: &'a GridFrame,
     /// Distance (m) from each cell's centre to the nearest obstacle.
@@ -17,7 +17,7 @@ pub(super) struct CoverageDomain<'a> {
 ///
 /// The robot drives from cell to cell, centre to centre. A passage that is wider than the robot by
 /// less than a cell may count as closed, and the space beyond it as unreachable.
-pub(super) fn mark(
+pub fn mark(
     domain: &CoverageDomain<'_>,
     starts: impl Iterator<Item = Point2<f64>>,
     body: f64,

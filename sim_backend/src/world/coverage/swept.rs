@@ -12,7 +12,7 @@ const FLAT: f64 = 1e-7;
 
 /// The path of a centre.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum SweptPath {
+pub enum SweptPath {
     /// Straight; both ends may be one point.
     Straight { from: Point2<f64>, to: Point2<f64> },
     /// Around a centre.

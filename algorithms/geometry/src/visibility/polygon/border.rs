@@ -15,7 +15,7 @@ const SAME_PLACE: f64 = 1e-18;
 const CORNERS: usize = 128;
 
 /// The border of the visible region under construction.
-pub(super) struct View {
+pub struct View {
     place: Point2<f64>,
     begin: f64,
     range: f64,

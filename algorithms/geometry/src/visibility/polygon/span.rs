@@ -12,7 +12,7 @@ const CLEARLY: f64 = 1e-9;
 /// A wall relative to the viewpoint, with the directions of its ends relative to the start of the
 /// sweep.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Span {
+pub struct Span {
     pub(super) begins: f64,
     /// At least `begins`: a wall across the start of the sweep is two spans.
     pub(super) ends: f64,
@@ -38,7 +38,7 @@ impl Span {
 }
 
 /// Reduces an angle, mostly from a single turn, to 0 … 2π.
-pub(super) fn from_begin(angle: f64) -> f64 {
+pub fn from_begin(angle: f64) -> f64 {
     if angle > -TAU && angle < TAU {
         // The exact remainder, without a division.
         if angle < 0.0 { angle + TAU } else { angle }
@@ -48,7 +48,7 @@ pub(super) fn from_begin(angle: f64) -> f64 {
 }
 
 /// The unit vector at an angle (rad).
-pub(super) fn direction(angle: f64) -> Vector2<f64> {
+pub fn direction(angle: f64) -> Vector2<f64> {
     let (sin, cos) = math::sincos(angle);
     Vector2::new(cos, sin)
 }

@@ -6,7 +6,7 @@ use super::span::{Span, direction};
 
 /// A direction in which walls begin or end.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Corner {
+pub struct Corner {
     pub(super) direction: f64,
     /// The span that begins there.
     pub(super) begins: Option<usize>,
@@ -16,7 +16,7 @@ pub(super) struct Corner {
 ///
 /// Walls do not cross: the nearest one remains so until it ends or a nearer one begins. So only new
 /// walls are compared with it, and all open walls only at its end.
-pub(super) struct Sweep {
+pub struct Sweep {
     begin: f64,
     spans: Vec<Span>,
     /// Walls that have begun; some may have ended.

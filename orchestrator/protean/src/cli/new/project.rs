@@ -17,7 +17,7 @@ const MAX_NAME_BYTES: usize = 64;
 
 /// A kind of project.
 #[derive(Debug)]
-pub(super) struct Project {
+pub struct Project {
     /// Command that builds the planner in its folder; empty if nothing is to be built.
     build: &'static str,
     /// Paths and texts of the files.
@@ -32,7 +32,7 @@ macro_rules! example {
 }
 
 /// A planner in Rust.
-pub(super) const RUST: Project = Project {
+pub const RUST: Project = Project {
     build: "cargo build --release",
     files: example!("external_planner": "Cargo.toml" "src/main.rs" "src/nearest_free.rs" "tests/mission.rs" "hall.toml"
         "sweep.toml" "README.md" ".gitignore" "tests/hall.toml" ".github/workflows/tests.yml" ".gitlab-ci.yml"
@@ -40,21 +40,21 @@ pub(super) const RUST: Project = Project {
 };
 
 /// A planner in Python.
-pub(super) const PYTHON: Project = Project {
+pub const PYTHON: Project = Project {
     build: "",
     files: example!("python_planner": "planner.py" "test_planner.py" "hall.toml" "README.md" ".gitignore"
         "tests/hall.toml" ".github/workflows/tests.yml" ".gitlab-ci.yml" ".pre-commit-config.yaml"),
 };
 
 /// A planner in C++.
-pub(super) const CPP: Project = Project {
+pub const CPP: Project = Project {
     build: "make",
     files: example!("cpp_planner": "planner.cpp" "protean_planner.h" "Makefile" "test.sh" "hall.toml" "README.md"
         ".gitignore" "tests/hall.toml" ".github/workflows/tests.yml" ".gitlab-ci.yml" ".pre-commit-config.yaml"),
 };
 
 /// Returns the name of a project in this folder if Cargo and scenarios accept it.
-pub(super) fn name(folder: &Path) -> Option<&str> {
+pub fn name(folder: &Path) -> Option<&str> {
     let name = folder.file_name()?.to_str()?;
     let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
     let fits = name.len() <= MAX_NAME_BYTES && name.starts_with(|c: char| c.is_ascii_alphabetic());

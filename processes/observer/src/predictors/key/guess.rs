@@ -3,11 +3,11 @@
 use chaotic_maps::AnySource;
 
 /// Maximum excess of a hypothesis's cost over the best one.
-pub(super) const MARGIN: f64 = 20.0;
+pub const MARGIN: f64 = 20.0;
 /// Maximum number of hypotheses.
 const MAX_GUESSES: usize = 24;
 /// Hypotheses that agree on this number of last goals count as equal.
-pub(super) const RECENT: usize = 3;
+pub const RECENT: usize = 3;
 
 /// Finds the state of a generator from its noisy outputs in the unit square.
 pub trait Finder: Clone {
@@ -29,7 +29,7 @@ pub trait Finder: Clone {
 
 /// Hypothesis that assigns the detections to goals of the route.
 #[derive(Debug, Clone)]
-pub(super) struct Guess<F> {
+pub struct Guess<F> {
     /// Number of the last one, in the round.
     pub(super) at: u64,
     /// `true` if the last one may be any of its run ([`crate::layout::Layout::run_of`]).
@@ -66,7 +66,7 @@ impl<F: Finder> Guess<F> {
 }
 
 /// Returns the hypotheses that are likely enough, the likeliest first.
-pub(super) fn likeliest<F: Finder>(mut guesses: Vec<Guess<F>>) -> Vec<Guess<F>> {
+pub fn likeliest<F: Finder>(mut guesses: Vec<Guess<F>>) -> Vec<Guess<F>> {
     guesses.sort_by(|a, b| a.score().total_cmp(&b.score()));
     let limit = guesses.first().map_or(0.0, Guess::score) + MARGIN;
     let mut kept: Vec<Guess<F>> = Vec::with_capacity(MAX_GUESSES);

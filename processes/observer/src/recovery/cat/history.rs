@@ -16,7 +16,7 @@ const MAX_WRAP: f64 = 1e6;
 
 /// Observed point.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct ObservedPoint {
+pub struct ObservedPoint {
     pub(super) point: [f64; 2],
     /// Standard deviation of each coordinate.
     pub(super) sd: f64,
@@ -34,7 +34,7 @@ impl ObservedPoint {
 
 /// Wraps between the points of the window, and the current state of the orbit.
 #[derive(Debug, Clone)]
-pub(super) struct History {
+pub struct History {
     /// One per step; those of steps without a point are part of the next one's.
     pub(super) wraps: VecDeque<[i64; 2]>,
     /// Estimate of the last point, and its covariance: xx, xy, yy.
@@ -112,7 +112,7 @@ impl History {
 }
 
 /// Possible continuation of a history.
-pub(super) struct Next<'a> {
+pub struct Next<'a> {
     history: &'a History,
     wraps: [i64; 2],
     z: [f64; 2],

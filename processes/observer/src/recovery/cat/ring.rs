@@ -17,11 +17,11 @@ pub enum CatModulus {
 }
 
 /// Fractional bits of the sums below.
-pub(super) const FRACTION: u32 = 120;
+pub const FRACTION: u32 = 120;
 
 /// A state on the ring.
 #[derive(Clone, Copy)]
-pub(super) struct State {
+pub struct State {
     pub(super) a: u64,
     pub(super) b: u64,
     pub(super) modulus: CatModulus,

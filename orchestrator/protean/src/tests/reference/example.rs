@@ -1,7 +1,10 @@
+//! The tables of types made up for it.
+
+use parameters::{above, at_least};
+use schemars::{JsonSchema, SchemaGenerator};
 use serde::{Deserialize, Serialize};
 
-use super::*;
-use crate::{above, at_least};
+use super::sections::Reference;
 
 /// A robot.
 #[derive(Serialize, Deserialize, JsonSchema)]
@@ -76,8 +79,7 @@ impl Default for Robot {
 
 #[test]
 fn keys_are_in_the_order_of_declaration_and_a_table_of_two_places_has_one_section() {
-    let mut reference = Reference::default();
-    reference.section::<Robot>("`robot`");
+    let markdown = Reference::of(&[("`robot`", SchemaGenerator::subschema_for::<Robot>)]);
     let want = "
 ## `robot`
 
@@ -102,15 +104,15 @@ A gripper arm.
 | `length` | number | `0.5` | > 0 | m | Length of all links. |
 | `joints` | whole number | `6` | ≥ 1 |  | Number of joints. |
 ";
-    assert_eq!(reference.markdown(), want);
+    assert_eq!(markdown, want);
 }
 
 #[test]
 fn a_type_with_a_section_is_referred_to() {
-    let mut reference = Reference::default();
-    reference.section::<Robot>("`robot`");
-    reference.section::<Camera>("Cameras");
-    let markdown = reference.markdown();
+    let markdown = Reference::of(&[
+        ("`robot`", SchemaGenerator::subschema_for::<Robot>),
+        ("Cameras", SchemaGenerator::subschema_for::<Camera>),
+    ]);
     assert!(markdown.contains("| `camera` | [Cameras](#cameras) | – |"));
     assert!(!markdown.contains("camera.pixels"), "{markdown}");
 }

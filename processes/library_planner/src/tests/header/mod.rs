@@ -1,13 +1,30 @@
-//! The text of `protean_planner.h`.
+//! The text of `protean_planner.h`, from the declaration of the interface.
+
+pub(crate) mod structure;
+pub(crate) mod types;
 
 use core::fmt::Write as _;
 
 use crate::abi::{
-    Belief, FLAGS, Field, INPUTS, Message, Messages, Particle, PlannerTable, Point, Robot, SIDES,
-    Scan, Start, StartFunctions, Steering, Tick, TickFunctions, Topic, VERSION,
+    Belief, Field, INPUTS, LATER, Message, Messages, Particle, PlannerTable, Point, Robot, SIDES,
+    SOLE, Scan, Start, StartFunctions, Steering, Tick, TickFunctions, Topic, VERSION,
 };
-use crate::c_structure::ASSERT;
-use crate::c_types::{CFunctions, CStructure as _};
+use structure::ASSERT;
+use types::{CFunctions, CStructure as _};
+
+/// Flags by their names in the header and their bits.
+const FLAGS: [(&str, u32, &str); 2] = [
+    (
+        "PROTEAN_LATER",
+        LATER,
+        "the messages count in the next tick; readers do not wait for them",
+    ),
+    (
+        "PROTEAN_SOLE",
+        SOLE,
+        "only one process of a run may write the topic",
+    ),
+];
 
 /// Returns the header of planners in C and C++.
 pub fn planner() -> String {
@@ -64,7 +81,7 @@ pub fn planner() -> String {
 
 fn inline_functions<F: CFunctions>(text: &mut String) {
     for function in F::functions() {
-        *text += &function.inline(<F::Of as crate::c_types::CStructure>::NAME, F::OF);
+        *text += &function.inline(<F::Of as types::CStructure>::NAME, F::OF);
     }
 }
 

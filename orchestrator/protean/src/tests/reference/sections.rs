@@ -1,19 +1,16 @@
 //! Declarations as tables of a reference in Markdown: a section per type, a row per key.
 
-mod table;
-mod types;
-mod words;
-
 use std::collections::BTreeMap;
 
 use schemars::generate::SchemaSettings;
-use schemars::{JsonSchema, Schema, SchemaGenerator};
+use schemars::{Schema, SchemaGenerator};
 use serde_json::Value;
 
-use crate::publish::plain_text;
-use table::Table;
-use types::{Types, referred};
-use words::is_table;
+use parameters::plain_text;
+
+use super::table::Table;
+use super::types::{Types, referred};
+use super::words::is_table;
 
 /// Tables of parameters in Markdown, written from their declarations.
 ///
@@ -47,12 +44,17 @@ impl Default for Reference {
 }
 
 impl Reference {
-    /// Adds a section about a type; its text is the description of the type.
-    pub fn section<T: JsonSchema>(&mut self, heading: &str) {
-        self.add(heading, "", SchemaGenerator::subschema_for::<T>);
+    /// Returns the sections as Markdown, each with a heading and the type of the schema that a function generates.
+    pub fn of(sections: &[(&str, fn(&mut SchemaGenerator) -> Schema)]) -> String {
+        let mut reference = Self::default();
+        for (heading, schema) in sections {
+            reference.add(heading, "", schema);
+        }
+        reference.markdown()
     }
 
-    /// Adds a section with its own text about the type of the schema that a function generates.
+    /// Adds a section about the type of the schema that a function generates; without a text, it has the description of
+    /// the type.
     pub fn add(
         &mut self,
         heading: &str,
@@ -177,6 +179,3 @@ fn find_places<'a>(schema: &'a Value, key: Option<&'a str>, places: &mut Vec<Pla
         _ => {}
     }
 }
-
-#[cfg(test)]
-mod tests;

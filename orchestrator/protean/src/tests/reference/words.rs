@@ -1,9 +1,9 @@
 //! Schemas in words.
 
+use parameters::plain_text;
 use serde_json::{Map, Value};
 
 use super::types::Types;
-use crate::publish::plain_text;
 
 /// The alternatives of a schema with the names of their types, without `null`; the schema
 /// itself, if it has none.

@@ -1,11 +1,19 @@
 //! The reference of files, written from their declarations.
 
+mod example;
+mod sections;
+mod table;
+mod types;
+mod words;
+
 use mission::dataflow::Dataflow;
 use mission::plan::Plan;
 use std::path::Path;
 use std::{env, fs};
 
 use kinds::KINDS;
+
+use sections::Reference;
 
 /// Command that rewrites the files.
 const COMMAND: &str = "PROTEAN_DOCS=write cargo test -p protean reference";
@@ -34,7 +42,15 @@ fn the_reference_of_parameters_is_what_the_code_declares() {
     let text = "The keys of `params` in a `[[processes]]` table of a scenario, by `kind`; \
                 [scenarios](../how-to/scenarios.md) says how they are used. A group of keys that several \
                 kinds have is described once, below the kinds.";
-    let tables = scenario::schema::parameters(KINDS);
+    let mut reference = Reference::default();
+    for kind in KINDS {
+        let (first, rest) = kind.summary.split_at(1);
+        let summary = format!("{}{rest}.", first.to_uppercase());
+        reference.add(&format!("`{}`", kind.name), &summary, |generator| {
+            kind.schema(generator)
+        });
+    }
+    let tables = reference.markdown();
     compare(
         "parameters.md",
         "Parameters of the processes",
@@ -47,7 +63,7 @@ fn the_reference_of_parameters_is_what_the_code_declares() {
 fn the_reference_of_experiments_is_what_the_code_declares() {
     let text = "The keys of an experiment file; [experiments](experiment.md) says how they are used. \
                 A key without a default (–) may be absent.";
-    let tables = sweep::schema::reference();
+    let tables = Reference::of(&sweep::schema::sections());
     compare(
         "experiment-keys.md",
         "Keys of experiment files",
@@ -69,7 +85,7 @@ fn the_reference_of_result_columns_is_what_the_code_declares() {
 fn the_reference_of_scenarios_is_what_the_code_declares() {
     let text = "The keys of a scenario file; [scenarios](../how-to/scenarios.md) says how they are used. \
                 A key without a default (–) may be absent.";
-    let tables = scenario::schema::reference();
+    let tables = Reference::of(&scenario::schema::sections());
     compare("scenario.md", "Keys of scenario files", text, &tables);
 }
 

@@ -3,13 +3,12 @@
 use core::fmt;
 use std::collections::BTreeMap;
 
+use parameters::{Range, plain_text};
 use serde_json::{Map, Value};
 
 use super::types::Types;
 use super::words::{Choice, alternatives, choice_tables, default_of, description, difference};
 use super::words::{numbers_of, properties_of, toml, type_name, types};
-use crate::publish::plain_text;
-use crate::range::Range;
 
 /// Rows of Markdown.
 pub(super) struct Table<'a> {

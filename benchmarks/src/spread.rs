@@ -1,6 +1,6 @@
 //! Medians and ratios.
 
-use metrics::quantile::quantile;
+use statistics::quantile;
 
 /// Median and range of repeated measurements.
 #[derive(Debug, Clone, Copy, PartialEq)]
