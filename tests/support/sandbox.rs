@@ -265,7 +265,7 @@ pub fn processes_with(runtime_dir: &Path) -> Vec<Process> {
     found
 }
 
-/// Whether a thread of the process in this directory of `/proc` is between its last instruction and its end.
+/// Returns `true` if a thread of the process in this directory of `/proc` has begun to exit, and has not ended.
 fn is_exiting(process: &Path) -> bool {
     /// `PF_EXITING` of the kernel's `sched.h`.
     const EXITING: u32 = 4;
