@@ -223,7 +223,7 @@ mod tests {
 
     #[test]
     fn long_tables_have_the_cell_and_the_seed_of_every_robot_and_prediction() {
-        let [results, robots, predictions] = Row::TABLES else {
+        let [results, robots, predictions, _] = Row::TABLES else {
             panic!("three tables");
         };
         assert!(!lines(results)[0].contains_key("robots"));
