@@ -1,7 +1,5 @@
 //! Judgement of attacks from the positions of the robots and the map alone.
 
-use geometry::blur::BlurredMap;
-use geometry::grid::{Grid, GridFrame};
 use geometry::visibility::VisibilityField;
 use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::attacker::AttackHeader;
@@ -9,6 +7,7 @@ use ipc_types::messages::world::MapCell;
 use ipc_types::topics::{Attacks, TopicId, WorldMap, WorldState};
 use metrics::detection::DetectionRule;
 use nalgebra::Point2;
+use runtime::grids::{blurred_map, map_grids};
 
 use super::run_info::RunInfo;
 use super::summary::{AttackOutcome, OutcomePart, Summary, seconds};
@@ -41,6 +40,8 @@ pub(super) struct Attacked {
     names: Vec<(u32, String)>,
     attacks: Vec<AttackOutcome>,
     open: Vec<Open>,
+    /// `true` in a run with the kind `attacker`: only then a map, which may be large, is kept.
+    keeps_map: bool,
     map: Map,
     /// Positions of the robots at a time (ns); `None` out of play.
     robots: Vec<Option<Point2<f64>>>,
@@ -55,6 +56,7 @@ impl Attacked {
             names: run.processes.iter().map(name).collect(),
             attacks: Vec::new(),
             open: Vec::new(),
+            keeps_map: run.processes.iter().any(|p| p.kind == "attacker"),
             map: Map::default(),
             robots: vec![None; run.robots.len()],
             now_ns: 0,
@@ -128,22 +130,9 @@ impl Map {
         if self.sight.is_none() {
             let message = LoggedMessage::new(TopicId::WorldMap, 0, &self.message)?;
             let (header, cells) = message.view::<WorldMap>()?;
-            let frame = GridFrame {
-                width: header.width as usize,
-                height: header.height as usize,
-                resolution: header.resolution,
-                origin: Point2::new(header.origin_x, header.origin_y),
-            };
             let cells: Vec<MapCell> = cells.collect();
-            let blurred = Grid {
-                frame,
-                cells: cells.iter().map(|cell| cell.blurred).collect(),
-            };
-            let occupied = Grid {
-                frame,
-                cells: cells.iter().map(|cell| cell.occupied != 0).collect(),
-            };
-            let map = BlurredMap::from_parts(blurred, occupied).ok()?;
+            let grids = map_grids(&header, &cells);
+            let map = blurred_map(grids.blurred, grids.occupied).ok()?;
             self.sight = Some(VisibilityField::new(&map));
         }
         self.sight.as_ref()
@@ -152,7 +141,10 @@ impl Map {
 
 impl Consumer for Attacked {
     fn topics(&self) -> &[TopicId] {
-        &[TopicId::WorldState, TopicId::WorldMap, TopicId::Attacks]
+        let topics = &[TopicId::WorldState, TopicId::Attacks, TopicId::WorldMap];
+        topics
+            .get(..2 + usize::from(self.keeps_map))
+            .unwrap_or(topics)
     }
 
     fn message(&mut self, message: &LoggedMessage<'_>, (): &mut ()) {

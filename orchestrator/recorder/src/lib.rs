@@ -64,9 +64,9 @@ pub use recording::Recording;
 pub use robot_names::robot_names;
 pub use run_info::{PatrolInfo, ProcessInfo, RobotInfo, RunInfo, TaskInfo};
 pub use summary::{
-    AttackOutcome, AttackTotals, CoverageByWay, CoverageOutcome, EventEntry, LapFigures, NodeOutcome,
-    Outage, PatrolOutcome, PredictionOutcome, ProcessOutcome, RobotOutcome, Summary, TopicCount,
-    WaypointOutcome, role_name, status_name,
+    AttackOutcome, AttackTotals, CoverageByWay, CoverageOutcome, EventEntry, LapFigures,
+    NodeOutcome, Outage, PatrolOutcome, PredictionOutcome, ProcessOutcome, RobotOutcome, Summary,
+    TopicCount, WaypointOutcome, role_name, status_name,
 };
 pub use time_text::time_text;
 pub use wakeup::Wakeup;

@@ -11,30 +11,34 @@ use serde::{Deserialize, Serialize};
 /// Longest duration, pause and window (s).
 const MAX_TIME: f64 = 3600.0;
 
+/// Maximum number of places.
+const MAX_PLACES: usize = 2000;
+
 /// Parameters of adversaries.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct AttackerParams {
     /// Names of the robots that guard the places; empty: all.
     pub watch: Vec<String>,
-    /// The adversaries, each with one method and independent of the others.
+    /// The adversaries, each independent of the others: at `random`; by the full `history` of visits; by mean and standard
+    /// deviation of the times between visits (`statistical`); by the guards' method with other keys (`best_response`).
     #[schemars(length(min = 1))]
     pub methods: Vec<Method>,
     /// Duration of an attack.
     #[schemars(transform = above(0).at_most(MAX_TIME).unit("s"))]
     pub duration_s: f64,
-    /// Distance from the place at which a guard detects an attack.
+    /// Distance from the place at which a guard detects an attack, whatever it sees.
     #[schemars(transform = at_least(0).unit("m"))]
     pub distance: f64,
-    /// Range at which a guard with a free line of sight detects an attack; if absent, guards do not see.
+    /// Range at which a guard with a free line of sight to the place detects an attack, too; if absent, by `distance` only.
     #[schemars(transform = above(0).unit("m"))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sight: Option<f64>,
     /// The places; empty: those along the contour of `mission`.
-    #[schemars(transform = each(each(unit("m"))))]
+    #[schemars(length(max = MAX_PLACES), transform = each(each(unit("m"))))]
     pub places: Vec<[f64; 2]>,
     /// Distance of the places along that contour.
-    #[schemars(transform = above(0).unit("m"))]
+    #[schemars(transform = at_least(0.1).unit("m"))]
     pub step: f64,
     /// Time in which an adversary only watches.
     #[schemars(transform = at_least(0).unit("s"))]
@@ -103,7 +107,14 @@ impl Parameters for AttackerParams {
             &"given",
             "no key: an adversary does not know it",
         )?;
-        mission.check_relations().map_err(within("mission"))
+        mission.check_relations().map_err(within("mission"))?;
+        let places = self.places().len();
+        require(
+            places <= MAX_PLACES,
+            "step",
+            &format!("{} ({places} places)", self.step),
+            format!("at most {MAX_PLACES} places"),
+        )
     }
 }
 
@@ -132,6 +143,62 @@ impl AttackerParams {
         DetectionRule {
             distance: self.distance,
             sight: self.sight.unwrap_or(0.0),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::{Value as Json, json};
+
+    fn checked(values: &Json) -> Result<usize, String> {
+        let params: AttackerParams = serde_json::from_value(values.clone()).unwrap();
+        match parameters::check(&params) {
+            Ok(()) => Ok(params.places().len()),
+            Err(errors) => Err(errors.to_string()),
+        }
+    }
+
+    #[test]
+    fn places_are_given_or_along_the_contour_of_the_guards() {
+        let contour = json!([[0.0, 0.0], [20.0, 0.0], [20.0, 20.0], [0.0, 20.0]]);
+        let mission = json!({ "contour": contour, "t_max": 200.0 });
+        let long =
+            json!({ "contour": [[0.0, 0.0], [200.0, 0.0], [200.0, 200.0]], "t_max": 2000.0 });
+        assert_eq!(checked(&json!({ "mission": mission })), Ok(80));
+        assert_eq!(
+            checked(&json!({ "mission": mission, "step": 0.5 })),
+            Ok(160)
+        );
+        let given =
+            json!({ "mission": mission, "places": [[1.0, 2.0]], "methods": ["best_response"] });
+        assert_eq!(checked(&given), Ok(1));
+        for (values, words) in [
+            (json!({}), "`places`"),
+            (
+                json!({ "places": [[1.0, 2.0]], "methods": ["best_response"] }),
+                "`mission`",
+            ),
+            (
+                json!({ "places": [[1.0, 2.0]], "methods": ["random", "random"] }),
+                "`methods`",
+            ),
+            (
+                json!({ "places": [[1.0, 2.0]], "methods": [] }),
+                "`methods`",
+            ),
+            (json!({ "mission": long, "step": 0.1 }), "`step`"),
+            (
+                json!({ "mission": { "contour": contour, "t_max": 200.0, "key": "catp:1,2" } }),
+                "`mission.key`",
+            ),
+        ] {
+            let found = checked(&values);
+            assert!(
+                found.as_ref().is_err_and(|text| text.contains(words)),
+                "{values}: {found:?}"
+            );
         }
     }
 }

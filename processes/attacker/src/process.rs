@@ -128,7 +128,7 @@ impl Process for AttackerProcess {
         if let Some(map) = &mut self.map
             && map.update()?
         {
-            let grids = map_grids(map);
+            let grids = map_grids(&map.header, map.cells());
             let blurred = blurred_map(grids.blurred, grids.occupied)?;
             self.sight = Some(VisibilityField::new(&blurred));
         }
