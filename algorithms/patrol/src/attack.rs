@@ -9,7 +9,7 @@
 //! - [`Method::History`]: at the place that, by all visits so far, most probably remains without a visit, given the time
 //!   since the last one; it waits for a moment as good as the best that the visits show for any place;
 //! - [`Method::BestResponse`]: it knows how the guards make their zig-zags, but not their keys
-//!   ([`BestResponse`]).
+//!   ([`BestResponse`]); it chooses again if a guard is at the place at the chosen time.
 //!
 //! At the end of its window an adversary attacks in any case, where its method finds the best place then.
 
@@ -95,12 +95,13 @@ impl Adversary {
     }
 
     /// Returns the index of the place that it attacks at this time (s), if it does. `visits` is up to date; `plan` computes
-    /// a best response and is called once per attack, and for no other method.
+    /// a best response within a time from now on (s), and is called for no other method: once per attack, and again if a
+    /// guard is at the place at the chosen time.
     pub fn step(
         &mut self,
         time_s: f64,
         visits: &Visits,
-        plan: impl FnOnce(&mut ChaCha8Rng) -> Option<Plan>,
+        plan: impl FnOnce(&mut ChaCha8Rng, f64) -> Option<Plan>,
     ) -> Option<usize> {
         let Schedule {
             duration_s,
@@ -111,7 +112,8 @@ impl Adversary {
         if time_s < self.ready_s || visits.places() == 0 {
             return None;
         }
-        let is_last_moment = time_s >= self.ready_s + window_s;
+        let rest_s = (self.ready_s + window_s - time_s).max(0.0);
+        let is_last_moment = rest_s <= 0.0;
         let place = match self.method {
             Method::Statistical => {
                 let place = visits.longest();
@@ -125,22 +127,20 @@ impl Adversary {
                 (is_moment || is_last_moment).then_some(place)?
             }
             Method::Random | Method::BestResponse => {
-                let (place, at_s) = match self.planned {
-                    Some(planned) => planned,
-                    None => {
-                        let plan = match self.method {
-                            Method::BestResponse => plan(&mut self.rng),
-                            _ => None,
-                        };
-                        let plan = plan.unwrap_or_else(|| Plan {
-                            place: self.rng.random_range(0..visits.places()),
-                            delay_s: window_s * self.rng.random::<f64>(),
-                        });
-                        (plan.place, time_s + plan.delay_s)
-                    }
-                };
+                let is_response = self.method == Method::BestResponse;
+                let planned = self.planned.filter(|&(place, at_s)| {
+                    !is_response || time_s < at_s || !visits.is_guarded(place)
+                });
+                let (place, at_s) = planned.unwrap_or_else(|| {
+                    let response = is_response.then(|| plan(&mut self.rng, rest_s)).flatten();
+                    let plan = response.unwrap_or_else(|| Plan {
+                        place: self.rng.random_range(0..visits.places()),
+                        delay_s: rest_s * self.rng.random::<f64>(),
+                    });
+                    (plan.place, time_s + plan.delay_s)
+                });
                 self.planned = Some((place, at_s));
-                (time_s >= at_s).then_some(place)?
+                (time_s >= at_s || is_last_moment).then_some(place)?
             }
         };
         self.planned = None;

@@ -36,12 +36,9 @@ struct Map {
 /// All attacks.
 #[derive(Debug)]
 pub(super) struct Attacked {
-    /// Names of the processes, by index.
-    names: Vec<(u32, String)>,
+    run: RunInfo,
     attacks: Vec<AttackOutcome>,
     open: Vec<Open>,
-    /// `true` in a run with the kind `attacker`: only then a map, which may be large, is kept.
-    keeps_map: bool,
     map: Map,
     /// Positions of the robots at a time (ns); `None` out of play.
     robots: Vec<Option<Point2<f64>>>,
@@ -51,12 +48,10 @@ pub(super) struct Attacked {
 impl Attacked {
     /// Creates the judgement of a run.
     pub(super) fn new(run: &RunInfo) -> Self {
-        let name = |process: &super::ProcessInfo| (process.index, process.name.clone());
         Self {
-            names: run.processes.iter().map(name).collect(),
+            run: run.clone(),
             attacks: Vec::new(),
             open: Vec::new(),
-            keeps_map: run.processes.iter().any(|p| p.kind == "attacker"),
             map: Map::default(),
             robots: vec![None; run.robots.len()],
             now_ns: 0,
@@ -78,10 +73,8 @@ impl Attacked {
             },
             guards,
         });
-        let source = message.stamp.source;
-        let process = self.names.iter().find(|(index, _)| *index == source);
         self.attacks.push(AttackOutcome {
-            attacker: process.map_or_else(String::new, |(_, name)| name.clone()),
+            attacker: self.run.process_name(message.stamp.source),
             method: attack.method_name().to_owned(),
             x: attack.x,
             y: attack.y,
@@ -91,35 +84,6 @@ impl Attacked {
             sight_m: attack.sight,
             outcome: "open".to_owned(),
             detected_s: None,
-        });
-        // The state of its tick comes before or after it.
-        if self.now_ns == message.time_ns {
-            self.judge();
-        }
-    }
-
-    /// Judges the open attacks by the newest positions.
-    fn judge(&mut self) {
-        let (now_ns, robots, map) = (self.now_ns, &self.robots, &mut self.map);
-        let attacks = &mut self.attacks;
-        self.open.retain(|open| {
-            let position = |&robot: &u32| robots.get(robot as usize).copied().flatten();
-            let mut guards = open.guards.iter().filter_map(position);
-            let mut is_visible = |a, b| map.sight().is_some_and(|field| field.is_visible(a, b));
-            let is_detected = now_ns <= open.end_ns
-                && guards.any(|guard| open.rule.detects(open.place, guard, &mut is_visible));
-            let outcome = if is_detected {
-                "detected"
-            } else if now_ns >= open.end_ns {
-                "undetected"
-            } else {
-                return true;
-            };
-            if let Some(attack) = attacks.get_mut(open.attack) {
-                outcome.clone_into(&mut attack.outcome);
-                attack.detected_s = is_detected.then_some(seconds(now_ns));
-            }
-            false
         });
     }
 }
@@ -141,10 +105,11 @@ impl Map {
 
 impl Consumer for Attacked {
     fn topics(&self) -> &[TopicId] {
-        let topics = &[TopicId::WorldState, TopicId::Attacks, TopicId::WorldMap];
-        topics
-            .get(..2 + usize::from(self.keeps_map))
-            .unwrap_or(topics)
+        // A map may be large: it is kept only for the kind that attacks.
+        match self.run.processes.iter().any(|p| p.kind == "attacker") {
+            true => &[TopicId::WorldState, TopicId::Attacks, TopicId::WorldMap],
+            false => &[TopicId::WorldState, TopicId::Attacks],
+        }
     }
 
     fn message(&mut self, message: &LoggedMessage<'_>, (): &mut ()) {
@@ -162,8 +127,32 @@ impl Consumer for Attacked {
                 }
             }
             self.now_ns = message.time_ns;
-            self.judge();
         }
+    }
+
+    /// Judges the open attacks by the newest positions.
+    fn end_of_tick(&mut self, (): &mut ()) {
+        let (now_ns, robots, map) = (self.now_ns, &self.robots, &mut self.map);
+        let attacks = &mut self.attacks;
+        self.open.retain(|open| {
+            let position = |&robot: &u32| robots.get(robot as usize).copied().flatten();
+            let mut guards = open.guards.iter().filter_map(position);
+            let mut is_visible = |a, b| map.sight().is_some_and(|field| field.is_visible(a, b));
+            let is_detected = now_ns <= open.end_ns
+                && guards.any(|guard| open.rule.detects(open.place, guard, &mut is_visible));
+            let outcome = if is_detected {
+                "detected"
+            } else if now_ns >= open.end_ns {
+                "undetected"
+            } else {
+                return true;
+            };
+            if let Some(attack) = attacks.get_mut(open.attack) {
+                outcome.clone_into(&mut attack.outcome);
+                attack.detected_s = is_detected.then_some(seconds(now_ns));
+            }
+            false
+        });
     }
 }
 
@@ -250,11 +239,15 @@ mod tests {
             if tick == 2 {
                 attack(&mut attacked, tick, 7.0, 0.0);
             }
+            if tick == 9 {
+                attack(&mut attacked, 9, 5.0, 0.0);
+            }
+            attacked.end_of_tick(&mut ());
         }
-        attack(&mut attacked, 9, 5.0, 0.0);
         for tick in 12..14 {
             state(&mut attacked, tick);
             attack(&mut attacked, tick, 50.0, 0.0);
+            attacked.end_of_tick(&mut ());
         }
         let outcome = |a: &AttackOutcome| (a.begin_s, a.outcome.clone(), a.detected_s);
         let found: Vec<_> = attacked.attacks.iter().map(outcome).collect();
@@ -300,6 +293,7 @@ mod tests {
                 if tick == 0 {
                     attack(&mut attacked, tick, 20.0, 5.0);
                 }
+                attacked.end_of_tick(&mut ());
             }
             assert_eq!(attacked.attacks[0].detected_s, Some(seen_s), "{wall}");
         }

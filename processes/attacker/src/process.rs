@@ -7,7 +7,7 @@ use ipc_types::bus::{Bus, Publisher, PublisherOptions};
 use ipc_types::messages::attacker::{AttackHeader, Guard};
 use ipc_types::topics::Attacks;
 use nalgebra::Point2;
-use patrol::attack::{Adversary, BestResponse, Method, Visits, guarded};
+use patrol::attack::{Adversary, BestResponse, Method, Schedule, Visits, guarded};
 use patrol::mission::Drive;
 use runtime::declaration::{Declaration, Input, Output};
 use runtime::grids::{blurred_map, map_grids};
@@ -158,7 +158,11 @@ impl Process for AttackerProcess {
         self.visits.observe(time_s, &is_guarded);
         for adversary in &mut self.adversaries {
             let (places, best_response) = (&self.places, self.best_response.as_ref());
-            let place = adversary.step(time_s, &self.visits, |rng| {
+            let place = adversary.step(time_s, &self.visits, |rng, window_s| {
+                let schedule = Schedule {
+                    window_s,
+                    ..schedule
+                };
                 best_response?.plan(&poses, places, (&schedule, rule), is_visible, rng)
             });
             let Some(place) = place.and_then(|place| self.places.get(place)) else {

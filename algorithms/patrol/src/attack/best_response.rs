@@ -61,7 +61,10 @@ impl BestResponse {
                     let position = forecast.at_time(clock_s + step as f64 * STEP_S);
                     Some(position.ok()?.point)
                 };
-                let positions: Vec<Point2<f64>> = forecasts.iter().filter_map(at).collect();
+                let positions: Vec<Point2<f64>> = match step {
+                    0 => guards.iter().map(Pose2::position).collect(),
+                    _ => forecasts.iter().filter_map(at).collect(),
+                };
                 let is_guarded = guarded(places, &positions, rule, &is_visible);
                 for (place, next) in next.iter_mut().enumerate() {
                     if is_guarded[place] {

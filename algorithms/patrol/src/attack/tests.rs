@@ -46,7 +46,7 @@ fn attacks(method: Method, guards: Guards) -> Vec<(f64, usize, bool)> {
     for tick in 0..8000 {
         let time_s = f64::from(tick) * TICK_S;
         visits.observe(time_s, &seen(time_s));
-        if let Some(place) = adversary.step(time_s, &visits, |_| None) {
+        if let Some(place) = adversary.step(time_s, &visits, |_, _| None) {
             let lasts = (0..=48).map(|tick| time_s + f64::from(tick) * TICK_S);
             let is_detected = lasts.into_iter().any(|t| seen(t)[place]);
             attacks.push((time_s, place, is_detected));
@@ -168,4 +168,26 @@ fn a_best_response_is_where_the_guards_method_seldom_leads() {
         own.plan(&[], &places, (&schedule, RULE), |_, _| true, &mut rng()),
         None
     );
+}
+
+#[test]
+fn a_best_response_is_chosen_again_where_a_guard_is_at_its_time() {
+    let mut visits = Visits::new(2);
+    let mut adversary = Adversary::new(Method::BestResponse, SCHEDULE, rng());
+    let mut windows = Vec::new();
+    let mut step = |time_s: f64, guarded: [bool; 2], place, delay_s| {
+        visits.observe(time_s, &guarded);
+        adversary.step(time_s, &visits, |_, window_s| {
+            windows.push(window_s);
+            Some(Plan { place, delay_s })
+        })
+    };
+    assert_eq!(step(400.0, [false, false], 0, 5.0), None);
+    assert_eq!(step(402.0, [true, false], 1, 0.0), None);
+    assert_eq!(step(405.0, [true, false], 0, 7.0), None);
+    assert_eq!(step(412.0, [false, true], 1, 9.0), Some(0));
+    // At the end of its window it attacks in any case.
+    assert_eq!(step(429.0, [true, true], 1, 60.0), None);
+    assert_eq!(step(489.0, [true, true], 1, 60.0), Some(1));
+    assert_eq!(windows, [60.0, 55.0, 60.0, 0.0]);
 }

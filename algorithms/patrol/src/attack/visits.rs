@@ -88,6 +88,11 @@ impl Visits {
         }
     }
 
+    /// Returns `true` if this place is guarded.
+    pub fn is_guarded(&self, place: usize) -> bool {
+        self.places.get(place).is_some_and(|place| place.is_guarded)
+    }
+
     /// Returns `true` if a guard has left this place since the last observation but one.
     pub fn is_left_now(&self, place: usize) -> bool {
         let place = self.places.get(place);
