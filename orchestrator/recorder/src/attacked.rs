@@ -85,6 +85,35 @@ impl Attacked {
             outcome: "open".to_owned(),
             detected_s: None,
         });
+        // The state of its tick comes before or after it.
+        if self.now_ns == message.time_ns {
+            self.judge();
+        }
+    }
+
+    /// Judges the open attacks by the newest positions.
+    fn judge(&mut self) {
+        let (now_ns, robots, map) = (self.now_ns, &self.robots, &mut self.map);
+        let attacks = &mut self.attacks;
+        self.open.retain(|open| {
+            let position = |&robot: &u32| robots.get(robot as usize).copied().flatten();
+            let mut guards = open.guards.iter().filter_map(position);
+            let mut is_visible = |a, b| map.sight().is_some_and(|field| field.is_visible(a, b));
+            let is_detected = now_ns <= open.end_ns
+                && guards.any(|guard| open.rule.detects(open.place, guard, &mut is_visible));
+            let outcome = if is_detected {
+                "detected"
+            } else if now_ns >= open.end_ns {
+                "undetected"
+            } else {
+                return true;
+            };
+            if let Some(attack) = attacks.get_mut(open.attack) {
+                outcome.clone_into(&mut attack.outcome);
+                attack.detected_s = is_detected.then_some(seconds(now_ns));
+            }
+            false
+        });
     }
 }
 
@@ -127,32 +156,8 @@ impl Consumer for Attacked {
                 }
             }
             self.now_ns = message.time_ns;
+            self.judge();
         }
-    }
-
-    /// Judges the open attacks by the newest positions.
-    fn end_of_tick(&mut self, (): &mut ()) {
-        let (now_ns, robots, map) = (self.now_ns, &self.robots, &mut self.map);
-        let attacks = &mut self.attacks;
-        self.open.retain(|open| {
-            let position = |&robot: &u32| robots.get(robot as usize).copied().flatten();
-            let mut guards = open.guards.iter().filter_map(position);
-            let mut is_visible = |a, b| map.sight().is_some_and(|field| field.is_visible(a, b));
-            let is_detected = now_ns <= open.end_ns
-                && guards.any(|guard| open.rule.detects(open.place, guard, &mut is_visible));
-            let outcome = if is_detected {
-                "detected"
-            } else if now_ns >= open.end_ns {
-                "undetected"
-            } else {
-                return true;
-            };
-            if let Some(attack) = attacks.get_mut(open.attack) {
-                outcome.clone_into(&mut attack.outcome);
-                attack.detected_s = is_detected.then_some(seconds(now_ns));
-            }
-            false
-        });
     }
 }
 
@@ -242,12 +247,10 @@ mod tests {
             if tick == 9 {
                 attack(&mut attacked, 9, 5.0, 0.0);
             }
-            attacked.end_of_tick(&mut ());
         }
         for tick in 12..14 {
             state(&mut attacked, tick);
             attack(&mut attacked, tick, 50.0, 0.0);
-            attacked.end_of_tick(&mut ());
         }
         let outcome = |a: &AttackOutcome| (a.begin_s, a.outcome.clone(), a.detected_s);
         let found: Vec<_> = attacked.attacks.iter().map(outcome).collect();
@@ -293,7 +296,6 @@ mod tests {
                 if tick == 0 {
                     attack(&mut attacked, tick, 20.0, 5.0);
                 }
-                attacked.end_of_tick(&mut ());
             }
             assert_eq!(attacked.attacks[0].detected_s, Some(seen_s), "{wall}");
         }
