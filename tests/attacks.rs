@@ -152,10 +152,7 @@ fn a_sweep_has_the_detected_attacks_of_each_adversary_with_their_interval() {
     "#;
     sandbox.file("attacks.toml", text);
     let words = ["sweep", "attacks.toml", "--in-process", "--quiet"];
-    let summary = sandbox
-        .protean(words)
-        .args(["--json", "--out", "out"])
-        .json();
+    let summary = sandbox.protean(words).args(["--out", "out"]).json();
     let mut table = csv::Reader::from_path(sandbox.path().join("out/adversaries.csv")).unwrap();
     let mut counts: BTreeMap<String, (u64, u64)> = BTreeMap::new();
     for row in table.deserialize::<BTreeMap<String, String>>() {
