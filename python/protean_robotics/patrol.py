@@ -205,6 +205,8 @@ def detection(
     shares, intervals = _core.patrol.detection(
         times[rows[0]], positions, places, number("distance", distance), number("duration", duration)
     )
+    if not len(shares):
+        raise refused("places", places, "at least one place")
     at = np.asarray(places, dtype=float).reshape(-1, 2)
     least = int(np.argmin(shares))
     return {

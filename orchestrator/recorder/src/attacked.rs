@@ -135,9 +135,10 @@ impl Map {
 impl Consumer for Attacked {
     fn topics(&self) -> &[TopicId] {
         // A map may be large: it is kept only for the kind that attacks.
-        match self.run.processes.iter().any(|p| p.kind == "attacker") {
-            true => &[TopicId::WorldState, TopicId::Attacks, TopicId::WorldMap],
-            false => &[TopicId::WorldState, TopicId::Attacks],
+        if self.run.processes.iter().any(|p| p.kind == "attacker") {
+            &[TopicId::WorldState, TopicId::Attacks, TopicId::WorldMap]
+        } else {
+            &[TopicId::WorldState, TopicId::Attacks]
         }
     }
 

@@ -109,12 +109,12 @@ impl Visits {
     /// The place that is most probably without a visit for `duration_s` from now on, and the probability; of equals the one
     /// that has been without the longest. `None` without places.
     pub fn most_open(&self, duration_s: f64) -> Option<(usize, f64)> {
-        let now = |place: &Place| match place.is_guarded {
-            true => (0.0, -1.0),
-            false => {
-                let age_s = self.now_s - place.left_s;
-                (place.chance(age_s, duration_s), age_s)
+        let now = |place: &Place| {
+            if place.is_guarded {
+                return (0.0, -1.0);
             }
+            let age_s = self.now_s - place.left_s;
+            (place.chance(age_s, duration_s), age_s)
         };
         let all = self.places.iter().map(now).enumerate();
         let best = all.max_by(|(_, a), (_, b)| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
