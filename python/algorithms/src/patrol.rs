@@ -23,6 +23,9 @@ type Lap<'py> = (
     Bound<'py, PyArray1<bool>>,
 );
 
+/// Shares of detected attacks, and their intervals.
+type Shares<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>);
+
 /// Patrol along a contour as a zig-zag that differs on every lap, and that only the owner of the key can predict.
 ///
 /// A point (X, Y) of a chaotic generator becomes a waypoint in a square of side alpha that moves along the contour at the
@@ -232,7 +235,7 @@ pub fn detection<'py>(
     places: &Bound<'py, PyAny>,
     distance: f64,
     duration: f64,
-) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>)> {
+) -> PyResult<Shares<'py>> {
     let times = arguments::list("times", times, "finite numbers (s)")?;
     let guards = arguments::points("guards", guards)?.points;
     let places = arguments::points("places", places)?.points;
