@@ -13,7 +13,7 @@ struct Case {
     seeds: &'static [&'static str],
 }
 
-const CASES: [Case; 29] = [
+const CASES: [Case; 30] = [
     Case {
         scenario: "chase",
         set: &["rules.time_limit=5"],
@@ -137,6 +137,12 @@ const CASES: [Case; 29] = [
         set: &["rules.time_limit=60"],
         seeds: &["1"],
     },
+    // Attacks, which are part of the outcome.
+    Case {
+        scenario: "patrol_intruder",
+        set: &["rules.time_limit=60", "processes.intruder.params.first_s=1"],
+        seeds: &["1"],
+    },
     Case {
         scenario: "patrol_graph",
         set: &["rules.time_limit=60"],
@@ -207,6 +213,7 @@ fn simulated(summary: &Json) -> Json {
         "events",
         "events_omitted",
         "coverage",
+        "attacks",
         "escape_possible_fraction",
         "escape_impossible_from_s",
     ] {

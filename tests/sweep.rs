@@ -275,7 +275,7 @@ fn shards_merge_to_the_table_of_the_whole() {
     assert_eq!(table(&sandbox, "merged"), whole);
     let summary = sweep_json(&sandbox, "at_once", &["--in-process"], 0);
     assert_eq!(summary["carried_out"], MISSIONS);
-    for name in ["results", "robots", "predictions"] {
+    for name in ["results", "robots", "predictions", "adversaries"] {
         for extension in ["csv", "parquet"] {
             let of = |out: &str| {
                 let path = sandbox.path().join(out).join(format!("{name}.{extension}"));

@@ -5,8 +5,12 @@ import os
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
+from numpy.typing import ArrayLike
+
 from . import _core
-from ._arguments import checked, index, number
+from ._arguments import checked, index, number, refused, texts
+from ._log import Log
 from ._program import overrides
 
 ZigZag = _core.patrol.ZigZag
@@ -125,4 +129,93 @@ def predict(
     return found
 
 
-__all__ = ["ZigZag", "plan", "predict"]
+@checked
+def detection(
+    log: Log,
+    *,
+    duration: float,
+    distance: float = 1.0,
+    places: ArrayLike | None = None,
+    robots: Sequence[str] | None = None,
+    start: float = 0.0,
+) -> dict[str, Any]:
+    """Computes the share of start times at which guards detect an attack, for each place of a patrol.
+
+    An attack at a place is detected if a guard comes within `distance` of the place while it lasts. Every state of the log
+    is a start time, as long as the attack ends in the log. The minimum over the places is the probability of detection of an
+    adversary that knows these shares and draws the time at random.
+
+    Parameters
+    ----------
+    log
+        Log of a run.
+    duration
+        Duration of an attack (s).
+    distance
+        Distance from the place at which a guard detects it (m).
+    places
+        Places (m), shape (n, 2); those of the patrol if None: pieces of the contour, or the nodes of the graph.
+    robots
+        Names of the guards; those of the patrol if None.
+    start
+        Simulated time from which on attacks begin (s): without the way of the guards to their places, for example.
+
+    Returns
+    -------
+    dict
+        `places` (m), shape (n, 2), and their `shares`, 0 to 1, shape (n,); `minimum`, the least of these, with its 95 %
+        `interval` by batch means (ten blocks of consecutive start times, Student's t), and its place `worst` (m), shape
+        (2,). The interval is that of a place chosen beforehand, and too narrow for blocks that are not longer than a lap.
+
+    Raises
+    ------
+    InvalidInput
+        A log without a patrol, or with several, and no `places` and `robots`; an unknown robot; a time too short for ten
+        attacks.
+
+    Examples
+    --------
+    >>> import protean_robotics as pr
+    >>> run = pr.run("patrol_team", set={"rules.time_limit": 120}, seed=1, in_process=True, out="team.mcap")
+    >>> found = pr.patrol.detection(pr.Log("team.mcap"), duration=20, start=40)
+    >>> 0 <= found["minimum"] <= found["shares"].mean() <= 1
+    True
+    """
+    if not isinstance(log, Log):
+        raise refused("log", log, "a log (`pr.Log`)")
+    if robots is not None:
+        robots = texts("robots", robots)
+    if places is None or robots is None:
+        patrols = log._file.patrol_places()
+        if len(patrols) != 1:
+            name = "places" if places is None else "robots"
+            raise refused(name, None, f"a value: the log has {len(patrols)} patrols")
+        [(guards, pieces)] = patrols
+        robots = guards if robots is None else robots
+        places = pieces if places is None else places
+    states = log.robots
+    names, times = states["name"], states["t"]
+    rows = [np.flatnonzero((names == robot) & (times >= number("start", start))) for robot in robots]
+    if not rows or any(len(of) != len(rows[0]) or not len(of) for of in rows):
+        raise refused("robots", robots, "names of robots with states from `start` on")
+    # A robot out of play detects nothing.
+    in_play = states["status"] == "active"
+    guards_at = [np.where(in_play[of, None], np.stack([states["x"], states["y"]], 1)[of], 1e300) for of in rows]
+    positions = np.stack(guards_at, 1).reshape(-1, 2)
+    shares, intervals = _core.patrol.detection(
+        times[rows[0]], positions, places, number("distance", distance), number("duration", duration)
+    )
+    if not len(shares):
+        raise refused("places", places, "at least one place")
+    at = np.asarray(places, dtype=float).reshape(-1, 2)
+    least = int(np.argmin(shares))
+    return {
+        "places": at,
+        "shares": shares,
+        "minimum": float(shares[least]),
+        "interval": tuple(intervals[least].tolist()),
+        "worst": at[least],
+    }
+
+
+__all__ = ["ZigZag", "detection", "plan", "predict"]

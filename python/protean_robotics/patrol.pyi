@@ -5,6 +5,8 @@ from typing import Any, Self, final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ._log import Log
+
 @final
 class ZigZag:
     def __new__(
@@ -54,5 +56,14 @@ def predict(
     set: Mapping[str, Any] | None = None,
     allow_outside: bool = False,
 ) -> dict[str, Any]: ...
+def detection(
+    log: Log,
+    *,
+    duration: float,
+    distance: float = 1.0,
+    places: ArrayLike | None = None,
+    robots: Sequence[str] | None = None,
+    start: float = 0.0,
+) -> dict[str, Any]: ...
 
-__all__ = ["ZigZag", "plan", "predict"]
+__all__ = ["ZigZag", "detection", "plan", "predict"]

@@ -58,7 +58,7 @@ mod _core {
     #[pymodule]
     mod patrol {
         #[pymodule_export]
-        use python_algorithms::patrol::ZigZag;
+        use python_algorithms::patrol::{ZigZag, detection};
     }
 
     #[pymodule]

@@ -70,8 +70,8 @@ def started(make: Any) -> Any:
     return env
 
 
-def log() -> pr.Log:
-    pr.run("hello", in_process=True, set=SHORT, out="log.mcap", force=True)
+def log(values: dict[str, Any] = SHORT) -> pr.Log:
+    pr.run("hello", in_process=True, set=values, out="log.mcap", force=True)
     return pr.Log("log.mcap")
 
 
@@ -207,6 +207,10 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     "patrol.ZigZag": (
         pr.patrol.ZigZag,
         {"contour": [(0, 0), (4, 0), (4, 4), (0, 4)], "t_max": 1.0, "alpha": 0.5, "seed": 1},
+    ),
+    "patrol.detection": (
+        lambda **arguments: pr.patrol.detection(log({"rules.time_limit": 2}), **arguments),
+        {"duration": 0.1, "distance": 1.0, "places": [POINT], "robots": ["robot"], "start": 0.0},
     ),
     "rrt_star.plan": (
         pr.rrt_star.plan,

@@ -147,6 +147,12 @@ CALLS: dict[str, list[tuple[str, str]]] = {
             f"for i in range(9999): pr.navigation.shortest_paths(map, {NEAR}, 0.2 + 1e-5 * i, count=1000)",
         ),
     ],
+    "patrol.rs:detection": [
+        (
+            "from protean_robotics._core import patrol",
+            "while True: patrol.detection(np.arange(5000.0), many(1.0, 1.0), many(9.0, 9.0), 0.1, 9.0)",
+        ),
+    ],
     "patrol.rs:lap": [(ZIG_ZAG, "while True: patrol.lap(100_000)")],
     "patrol.rs:predict": [(ZIG_ZAG, "patrol.predict(np.arange(1_000_000.0, 2_000_000.0))")],
     "rrt_star.rs:plan": [(ROOM, f"pr.rrt_star.plan(map, {ENDS}, 0.2, iterations=1_000_000)")],

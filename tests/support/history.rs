@@ -8,7 +8,7 @@ use ipc_types::cdr;
 use ipc_types::messages::robot::WaypointEnd;
 use ipc_types::stamp::{Header as _, Stamp};
 use ipc_types::topics::{
-    Belief, Commands, Control, Coverage, Dominance, MeasuredPoses, ObstacleEvents, Plan,
+    Attacks, Belief, Commands, Control, Coverage, Dominance, MeasuredPoses, ObstacleEvents, Plan,
     Predictions, ProcessEvents, ProcessLog, Scan, Sightings, Status, Topic, Tree, Verdicts,
     Waypoints, WorldEvents, WorldMap, WorldShapes, WorldState,
 };
@@ -30,6 +30,9 @@ pub struct History {
     /// Waypoints that ended, in the order of their messages.
     #[serde(default)]
     pub waypoints: Vec<Visit>,
+    /// Attacks, in the order of their messages.
+    #[serde(default)]
+    pub attacks: Vec<Attack>,
     /// Messages and bytes by topic, viewer topics included.
     pub counts: BTreeMap<String, (u64, u64)>,
 }
@@ -154,6 +157,20 @@ pub struct Visit {
     pub closest: f64,
 }
 
+/// An attack that begins.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+pub struct Attack {
+    pub tick: u64,
+    pub source: u32,
+    pub method: String,
+    pub x: f64,
+    pub y: f64,
+    pub duration_s: f64,
+    pub distance: f64,
+    pub sight: f64,
+    pub guards: Vec<usize>,
+}
+
 impl History {
     /// Reads a finished log with the `mcap` crate, every checksum checked.
     #[track_caller]
@@ -209,6 +226,7 @@ impl History {
             Tree::NAME => stamp::<Tree>(bytes)?,
             Verdicts::NAME => stamp::<Verdicts>(bytes)?,
             Waypoints::NAME => self.visit(bytes)?,
+            Attacks::NAME => self.attack(bytes)?,
             Predictions::NAME => stamp::<Predictions>(bytes)?,
             Dominance::NAME => stamp::<Dominance>(bytes)?,
             Status::NAME => stamp::<Status>(bytes)?,
@@ -265,6 +283,22 @@ impl History {
             width: header.width,
             height: header.height,
             occupied: cells.iter().map(|c| u32::from(c.occupied)).sum(),
+        });
+        Ok(header.stamp)
+    }
+
+    fn attack(&mut self, bytes: &[u8]) -> Result<Stamp, String> {
+        let (header, guards) = decode::<Attacks>(bytes)?;
+        self.attacks.push(Attack {
+            tick: header.stamp.tick,
+            source: header.stamp.source,
+            method: header.method_name().to_owned(),
+            x: header.x,
+            y: header.y,
+            duration_s: header.duration_s,
+            distance: header.distance,
+            sight: header.sight,
+            guards: guards.iter().map(|guard| guard.robot as usize).collect(),
         });
         Ok(header.stamp)
     }

@@ -7,6 +7,7 @@
 //! - [`driven`]: the turns of a driven path;
 //! - [`idleness`]: times between visits of the places of a contour, distances of its robots;
 //! - [`coverage`]: coverage of a workplace by a path: rate and evenness;
+//! - [`detection`]: attacks on places, and the share of them that guards detect;
 //! - [`quantile`]: quantiles of values;
 //! - [`prediction`]: accuracy of predictions of a robot's position.
 //!
@@ -24,6 +25,7 @@
 //! ```
 
 pub mod coverage;
+pub mod detection;
 pub mod driven;
 pub mod idleness;
 pub mod path;

@@ -11,6 +11,7 @@
 //! - [`pursuits`]: guards that leave the round of their team and pursue intruders;
 //! - [`remarks`]: what a user should know about a patrol before it starts;
 //! - [`team`]: the places of the robots of a team on one contour;
+//! - [`attack`]: adversaries that attack places of a patrol;
 //! - [`mixed`]: additional waypoints where obstacles are small, fictive obstacles along large ones.
 //!
 //! ```
@@ -25,6 +26,7 @@
 //! ```
 
 pub mod alpha;
+pub mod attack;
 pub mod awg;
 pub mod contour;
 pub mod danger;

@@ -372,17 +372,21 @@ impl MissionParams {
             .unwrap_or_else(|| Key::from_seed(KeyKind::Keyed, seed))
     }
 
-    fn layout(&self) -> Result<(Contour, Awg), MissionError> {
-        let points: Vec<Point2<f64>> = self
-            .contour
-            .iter()
-            .map(|p| Point2::new(p[0], p[1]))
-            .collect();
-        let contour = if self.closed {
-            Contour::closed(&points)?
+    /// Returns the contour.
+    ///
+    /// # Errors
+    /// [`ContourError`] for waypoints that make none.
+    pub fn contour(&self) -> Result<Contour, ContourError> {
+        let points: Vec<Point2<f64>> = self.contour.iter().map(|&p| p.into()).collect();
+        if self.closed {
+            Contour::closed(&points)
         } else {
-            Contour::open(&points)?
-        };
+            Contour::open(&points)
+        }
+    }
+
+    fn layout(&self) -> Result<(Contour, Awg), MissionError> {
+        let contour = self.contour()?;
         let params = AwgParams {
             t_max: self.t_max,
             alpha: self.alpha.unwrap_or(LAYOUT_ALPHA),

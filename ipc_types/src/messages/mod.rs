@@ -1,6 +1,7 @@
 //! The messages, by sender: the world, robots and their planners, perception, the referee, the
-//! observer, the optimiser, the processes themselves.
+//! observer, attackers, the optimiser, the processes themselves.
 
+pub mod attacker;
 pub mod observer;
 pub mod optimiser;
 pub mod perception;

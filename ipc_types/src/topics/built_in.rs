@@ -2,6 +2,7 @@
 
 use super::topic_id::TopicId;
 use super::{EXTERNAL_SUBSCRIBERS, Topic, TopicFacts, TopicVisitor};
+use crate::messages::attacker::{AttackHeader, Guard};
 use crate::messages::observer::Prediction;
 use crate::messages::perception::{BeliefHeader, Particle, Sighting};
 use crate::messages::process::{LogHeader, ProcessEvent, ProcessStatus, RunControl};
@@ -163,6 +164,11 @@ built_in! {
         // Infinite: a method that makes no prediction.
         may_be_infinite ["x", "y", "error"],
         qos |s| per_tick 1, publishers s.processes, subscribers s.readers();
+    /// Attacks that begin, with the robots that may detect each: attackers → all.
+    Attacks = "attacker/attack": Many, "guards", AttackHeader, Guard,
+        simulated true, latched false, timed true,
+        may_be_infinite [],
+        qos |s| per_tick 4, publishers s.processes, subscribers s.readers();
     /// Heartbeats: all → orchestrator.
     Status = "process/status": One, "status", PlainHeader, ProcessStatus,
         simulated false, latched true, timed false,

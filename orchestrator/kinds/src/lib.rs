@@ -1,5 +1,6 @@
 //! The kinds of processes of this program.
 
+use attacker::process::AttackerProcess;
 use config::Diagnostics;
 use coverage_planners::{
     BoustrophedonPlanner, ChebyshevPlanner, KeyedCoveragePlanner, RandomBouncePlanner,
@@ -28,6 +29,7 @@ pub static KINDS: &[Kind] = &[
     Kind::from_type::<PerceptionProcess>(),
     Kind::from_type::<RefereeProcess>(),
     Kind::from_type::<ObserverProcess>(),
+    Kind::from_type::<AttackerProcess>(),
     planner::<PursuerPlanner>(),
     planner::<BraitenbergPlanner>(),
     planner::<PotentialPlanner>(),

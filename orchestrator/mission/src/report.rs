@@ -52,6 +52,9 @@ impl MissionReport {
         if !s.patrols.is_empty() {
             json["patrols"] = json!(s.patrols);
         }
+        if !s.attacks.is_empty() {
+            json["attacks"] = json!(s.attacks);
+        }
         if !remarks.is_empty() {
             json["remarks"] = json!(remarks);
         }

@@ -66,7 +66,14 @@ const GROUPS: [Group; 5] = [
 ];
 
 /// Kinds that every scenario has.
-const COMMON: [&str; 5] = ["perception", "pursuer", "referee", "observer", "optimiser"];
+const COMMON: [&str; 6] = [
+    "perception",
+    "pursuer",
+    "referee",
+    "observer",
+    "attacker",
+    "optimiser",
+];
 
 const PATROL: &str = "mission = { contour = [[1.0, 1.0], [1.0, 7.0], [5.0, 7.0]], t_max = 200.0 }";
 
@@ -98,6 +105,7 @@ fn text(group: &Group, pieces: usize) -> String {
          [[processes]]\nkind = \"pursuer\"\nteam = \"police\"\n\
          [[processes]]\nkind = \"referee\"\n\
          [[processes]]\nkind = \"observer\"\n\
+         [[processes]]\nkind = \"attacker\"\nparams = {{ places = [[1.0, 7.0]], sight = 5.0 }}\n\
          [[processes]]\nkind = \"optimiser\"\n"
     );
     let mut robot = |name: String, team: &str, place: usize| {

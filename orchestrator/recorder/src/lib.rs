@@ -9,6 +9,7 @@
 //! Topics are encoded as ROS 2 CDR whose body consists of the bytes of the message (`ipc_types::cdr`).
 //! [`DerivedTopics`] adds derived channels, such as those for viewers. Log time is simulated time.
 
+mod attacked;
 mod bus;
 pub mod chain;
 mod checks;
@@ -61,9 +62,9 @@ pub use recording::Recording;
 pub use robot_names::robot_names;
 pub use run_info::{PatrolInfo, ProcessInfo, RobotInfo, RunInfo, TaskInfo};
 pub use summary::{
-    CoverageByWay, CoverageOutcome, EventEntry, LapFigures, NodeOutcome, Outage, PatrolOutcome,
-    PredictionOutcome, ProcessOutcome, RobotOutcome, Summary, TopicCount, WaypointOutcome,
-    role_name, status_name,
+    AttackOutcome, AttackTotals, CoverageByWay, CoverageOutcome, EventEntry, LapFigures,
+    NodeOutcome, Outage, PatrolOutcome, PredictionOutcome, ProcessOutcome, RobotOutcome, Summary,
+    TopicCount, WaypointOutcome, role_name, status_name,
 };
 pub use time_text::time_text;
 pub use wakeup::Wakeup;

@@ -164,6 +164,8 @@ fn result_entries(summary: &Summary) -> BTreeMap<String, String> {
         .predictions
         .as_ref()
         .map(|p| ("predictions", json(serde_json::to_string(p))));
+    let attacks = (!summary.attacks.is_empty())
+        .then(|| ("attacks", json(serde_json::to_string(&summary.attacks))));
     let failed = (!summary.processes.is_empty())
         .then(|| ("processes", json(serde_json::to_string(&summary.processes))));
     let links =
@@ -181,6 +183,7 @@ fn result_entries(summary: &Summary) -> BTreeMap<String, String> {
     .into_iter()
     .chain(coverage)
     .chain(predictions)
+    .chain(attacks)
     .chain(failed)
     .chain(links)
     .map(|(key, value)| (key.to_owned(), value))

@@ -2,6 +2,7 @@
 
 use ipc_types::consumer::Consumers;
 
+use super::attacked::Attacked;
 use super::covered::LatestCoverage;
 use super::event_list::EventList;
 use super::link_counts::LinkCounts;
@@ -30,6 +31,7 @@ pub(super) fn parts(run: &RunInfo) -> Consumers<dyn OutcomePart> {
         Box::new(VerdictTotals::new(robots.len())),
         Box::new(AllVisits::new(robots)),
         Box::new(Patrolled(PatrolMeasurement::of_all(&run.patrols, robots))),
+        Box::new(Attacked::new(run)),
         Box::new(PredictionSeries::default()),
         Box::new(LinkCounts::new(&run.links, run.seed)),
         Box::new(Outages::new(processes, *tick_period_ns)),

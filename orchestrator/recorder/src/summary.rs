@@ -39,6 +39,9 @@ pub struct Summary {
     /// Idleness of the contours that are patrolled; absent without one.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub patrols: Vec<PatrolOutcome>,
+    /// Attacks, in order, each with its judgement; absent without one.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub attacks: Vec<AttackOutcome>,
     /// Accuracy of predictions, by observer, robot, method and horizon; absent unless an observer ran.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub predictions: Option<Vec<PredictionOutcome>>,
@@ -253,6 +256,65 @@ pub struct NodeOutcome {
     pub worst_idleness_s: f64,
     /// Time since the last visit at the end (s).
     pub idleness_s: f64,
+}
+
+/// An attack on a place.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct AttackOutcome {
+    /// Name of the process.
+    pub attacker: String,
+    /// Method by which place and time were chosen, of `AttackHeader::METHODS`.
+    pub method: String,
+    /// x coordinate of the place (m).
+    pub x: f64,
+    /// y coordinate of the place (m).
+    pub y: f64,
+    /// Time at which it began (s).
+    pub begin_s: f64,
+    /// Duration (s).
+    pub duration_s: f64,
+    /// Distance at which a guard detects it (m).
+    pub distance_m: f64,
+    /// Range at which a guard with a line of sight detects it (m); 0 for guards that do not see.
+    pub sight_m: f64,
+    /// `detected`, `undetected`, or `open` if the run ended before the attack.
+    pub outcome: String,
+    /// Time at which a guard detected it (s); absent without a detection.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub detected_s: Option<f64>,
+}
+
+/// Attacks of one adversary.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct AttackTotals {
+    /// Name of the process.
+    pub attacker: String,
+    /// Name of the method.
+    pub method: String,
+    /// Attacks that were judged: not those that the run did not see the end of.
+    pub attacks: u32,
+    /// Those that were detected.
+    pub detected: u32,
+}
+
+impl AttackTotals {
+    /// Returns the totals of all adversaries, by process and method.
+    pub fn from_outcomes(attacks: &[AttackOutcome]) -> Vec<Self> {
+        let mut totals: BTreeMap<(&str, &str), (u32, u32)> = BTreeMap::new();
+        for attack in attacks.iter().filter(|attack| attack.outcome != "open") {
+            let adversary = (&*attack.attacker, &*attack.method);
+            let (judged, detected) = totals.entry(adversary).or_default();
+            *judged += 1;
+            *detected += u32::from(attack.detected_s.is_some());
+        }
+        let total = |((attacker, method), (attacks, detected)): ((&str, &str), _)| Self {
+            attacker: attacker.to_owned(),
+            method: method.to_owned(),
+            attacks,
+            detected,
+        };
+        totals.into_iter().map(total).collect()
+    }
 }
 
 /// Accuracy of one method for one robot and one horizon.

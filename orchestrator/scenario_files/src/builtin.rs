@@ -31,7 +31,7 @@ macro_rules! scenarios {
 }
 
 /// All built-in scenarios; the default comes first.
-pub const SCENARIOS: [Builtin; 22] = scenarios![
+pub const SCENARIOS: [Builtin; 23] = scenarios![
     "chase",
     "chase_exact",
     "chase_paper",
@@ -48,6 +48,7 @@ pub const SCENARIOS: [Builtin; 22] = scenarios![
     "patrol_square",
     "patrol_team",
     "patrol_chase",
+    "patrol_intruder",
     "patrol_graph",
     "coverage_open",
     "coverage_case1",

@@ -1,8 +1,8 @@
-//! Tables of results with several rows per mission: its robots, and the predictions of its observers.
+//! Tables of results with several rows per mission: its robots, the predictions of its observers, and its adversaries.
 
 use super::columns::{Part, ResultColumn};
 use super::row::Row;
-use recorder::{LapFigures, PredictionOutcome, RobotOutcome, WaypointOutcome};
+use recorder::{AttackTotals, LapFigures, PredictionOutcome, RobotOutcome, WaypointOutcome};
 
 impl Part<Row> for RobotOutcome {
     const TABLE: &'static str = "robots";
@@ -206,5 +206,33 @@ impl Part<Row> for PredictionOutcome {
 
     fn rows(row: &Row) -> &[Self] {
         &row.predictions
+    }
+}
+
+impl Part<Row> for AttackTotals {
+    const TABLE: &'static str = "adversaries";
+    const REFERENCE: [&'static str; 2] = [
+        "Adversaries",
+        "one row per mission and adversary that has attacked",
+    ];
+
+    const COLUMNS: &'static [ResultColumn<Self>] = &[
+        ResultColumn::text("attacker", "Name of its process.", |a| &a.attacker),
+        // `method` is a likely name of a parameter.
+        ResultColumn::text(
+            "adversary",
+            "Method by which it chooses place and time: `random`, `history`, `statistical` or `best_response`.",
+            |a| &a.method,
+        ),
+        ResultColumn::int("attacks", "Attacks that ended in the run.", |a| {
+            Some(a.attacks.into())
+        }),
+        ResultColumn::int("attacks_detected", "Attacks that guards detected.", |a| {
+            Some(a.detected.into())
+        }),
+    ];
+
+    fn rows(row: &Row) -> &[Self] {
+        &row.attacks
     }
 }

@@ -6,7 +6,9 @@ use serde::{Deserialize, Serialize};
 use super::columns::{Part, ResultColumn, ResultTable};
 use super::kind::Kind;
 use mission::MissionReport;
-use recorder::{CoverageOutcome, PatrolOutcome, PredictionOutcome, RobotOutcome, Summary};
+use recorder::{
+    AttackTotals, CoverageOutcome, PatrolOutcome, PredictionOutcome, RobotOutcome, Summary,
+};
 
 /// Name of the files of the table with one row per mission.
 pub const RESULTS: &str = "results";
@@ -90,6 +92,9 @@ pub struct Row {
     /// Idleness of the contours that are patrolled.
     #[serde(default)]
     pub patrols: Vec<PatrolOutcome>,
+    /// Attacks by adversary.
+    #[serde(default)]
+    pub attacks: Vec<AttackTotals>,
     /// Errors of the observers' predictions.
     pub predictions: Vec<PredictionOutcome>,
     /// Digest of the run.
@@ -142,6 +147,7 @@ impl Row {
             escape_impossible_from_s: summary.escape_impossible_from_s,
             coverage: summary.coverage.clone(),
             patrols: summary.patrols.clone(),
+            attacks: AttackTotals::from_outcomes(&summary.attacks),
             predictions: summary.predictions.clone().unwrap_or_default(),
             digest: summary.digest.clone(),
             error: String::new(),
@@ -170,6 +176,7 @@ impl Record for Row {
         ResultTable::from_part::<Self>(),
         ResultTable::from_part::<RobotOutcome>(),
         ResultTable::from_part::<PredictionOutcome>(),
+        ResultTable::from_part::<AttackTotals>(),
     ];
 
     fn failed(error: String) -> Self {
@@ -282,6 +289,24 @@ impl Part<Self> for Row {
             "Minimum distance of two robots of a team along their contour (m); empty without a team on patrol.",
             |r| patrols(r, |p| p.nearest_m, f64::min),
         ),
+        ResultColumn::int(
+            "attacks",
+            "Attacks that ended in the run, of all adversaries; empty without one.",
+            |r| attacks(r, |a| a.attacks),
+        ),
+        ResultColumn::int(
+            "attacks_detected",
+            "Attacks that guards detected; empty without an attack.",
+            |r| attacks(r, |a| a.detected),
+        ),
+        ResultColumn::float(
+            "detection_share",
+            "Attacks that guards detected, of all, 0 to 1; empty without an attack.",
+            |r| {
+                let detected = attacks(r, |a| a.detected)?;
+                Some(detected as f64 / attacks(r, |a| a.attacks)? as f64)
+            },
+        ),
         ResultColumn::text(
             "digest",
             "Digest of the run, as `protean run` prints it.",
@@ -293,6 +318,12 @@ impl Part<Self> for Row {
     fn rows(row: &Self) -> &[Self] {
         std::slice::from_ref(row)
     }
+}
+
+/// Returns the sum over all adversaries; `None` without an attack.
+fn attacks(row: &Row, count: fn(&AttackTotals) -> u32) -> Option<u64> {
+    let counts = row.attacks.iter().map(count).map(u64::from);
+    counts.reduce(|sum, count| sum + count)
 }
 
 /// Returns a value of all contours.

@@ -1,6 +1,6 @@
 //! Summaries of the cells of an experiment: a table as text, and JSON.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use platform::shell;
 use recorder::time_text;
@@ -55,6 +55,8 @@ pub struct CellSummary {
     pub coverage: Option<f64>,
     /// Mean length of a lap (m).
     pub lap_m: Option<f64>,
+    /// Detected attacks among those of each adversary, by the name of its method; missions are the groups.
+    pub detections: BTreeMap<String, Sample>,
 }
 
 /// Summarises every cell, in the order of the experiment.
@@ -84,6 +86,11 @@ fn summarise(cell: usize, rows: &[&Row]) -> CellSummary {
     let robots = played.iter().flat_map(|row| &row.robots);
     let arrivals = robots.filter(|robot| robot.outcome == "goal_reached");
     let arrivals: Vec<f64> = arrivals.map(|robot| robot.time_s).collect();
+    let mut detections: BTreeMap<String, Sample> = BTreeMap::new();
+    for adversary in played.iter().flat_map(|row| &row.attacks) {
+        let sample = detections.entry(adversary.method.clone()).or_default();
+        sample.add(adversary.detected, adversary.attacks);
+    }
     let histories: BTreeSet<&str> = played.iter().map(|row| row.digest.as_str()).collect();
     CellSummary {
         cell,
@@ -102,6 +109,7 @@ fn summarise(cell: usize, rows: &[&Row]) -> CellSummary {
         arrival_s: Mean::from_values(&arrivals).map(|mean| mean.value),
         coverage: mean_of(|row| Some(row.coverage.as_ref()?.coverable_fraction)),
         lap_m: mean_of(lap_m),
+        detections,
     }
 }
 
@@ -220,10 +228,10 @@ pub fn command(results: &Results, mission: MissionId) -> String {
 }
 
 /// Title, importance and text of a column of the cells.
-type CellColumn = (
-    &'static str,
+type CellColumn<'a> = (
+    &'a str,
     Importance,
-    Box<dyn Fn(&CellSummary) -> String>,
+    Box<dyn Fn(&CellSummary) -> String + 'a>,
 );
 
 /// Returns the summary as text: a table of the cells, failures and the worst missions by the measure with the command
@@ -236,7 +244,7 @@ pub fn text(results: &Results, report: Option<&RunReport>, measure: Option<Measu
         value.map_or_else(|| "-".to_owned(), |value| format!("{value:.digits$}"))
     };
     // What no mission has is no column.
-    let mut columns: Vec<CellColumn> = vec![("games", 0, Box::new(|c| c.games.to_string()))];
+    let mut columns: Vec<CellColumn<'_>> = vec![("games", 0, Box::new(|c| c.games.to_string()))];
     if has(|c| c.evaders > 0) {
         columns.push((
             "escaped",
@@ -260,6 +268,18 @@ pub fn text(results: &Results, report: Option<&RunReport>, measure: Option<Measu
     }
     if has(|c| c.lap_m.is_some()) {
         columns.push(("lap (m)", 1, Box::new(move |c| or_none(c.lap_m, 2))));
+    }
+    let adversaries: BTreeSet<&String> =
+        summaries.iter().flat_map(|c| c.detections.keys()).collect();
+    for method in adversaries {
+        // Detected attacks and their share, with its Wilson interval.
+        let cell = move |c: &CellSummary| {
+            let sample = c.detections.get(method).copied().unwrap_or_default();
+            let (hits, members) = (sample.hits(), sample.members());
+            let of = wilson(hits, members);
+            format!("{hits}/{members}, {:.2} .. {:.2}", of.low, of.high)
+        };
+        columns.push((method, 1, Box::new(cell)));
     }
     columns.push((
         "time (s)",
@@ -354,6 +374,17 @@ pub fn json(results: &Results, report: Option<&RunReport>, measure: Option<Measu
         .map(|c| {
             let (case, parameters) = labels(c.cell);
             let ends = |i: Interval| json!([i.low, i.high]);
+            let detection = |(method, sample): (&String, &Sample)| {
+                json!({
+                    "adversary": method,
+                    "attacks": sample.members(),
+                    "detected": sample.hits(),
+                    "detection_share": sample.share(),
+                    "wilson_95": ends(wilson(sample.hits(), sample.members())),
+                    "by_game_95": ends(sample.interval(Z95)),
+                })
+            };
+            let detections: Vec<Json> = c.detections.iter().map(detection).collect();
             json!({
                 "case": case,
                 "parameters": parameters,
@@ -368,6 +399,7 @@ pub fn json(results: &Results, report: Option<&RunReport>, measure: Option<Measu
                 "by_game_95": c.by_game.map(ends),
                 "mean_time_s": c.mean_time_s,
                 "contacts_per_game": c.contacts,
+                "detections": detections,
             })
         })
         .collect();

@@ -97,7 +97,7 @@ mod tests {
     use super::super::tests::{GOOD, load};
     use super::super::{Outcome, Row};
     use super::*;
-    use recorder::{LapFigures, PredictionOutcome, RobotOutcome, WaypointOutcome};
+    use recorder::{AttackTotals, LapFigures, PredictionOutcome, RobotOutcome, WaypointOutcome};
 
     /// A robot that visits waypoints.
     fn guard() -> RobotOutcome {
@@ -150,6 +150,12 @@ mod tests {
                     key_recovered_s: None,
                     key_recovered_after: None,
                 }],
+                attacks: vec![AttackTotals {
+                    attacker: "intruder".to_owned(),
+                    method: "history".to_owned(),
+                    attacks: 9,
+                    detected: 4,
+                }],
                 robots: vec![guard(), RobotOutcome::default()],
                 outcome: Outcome::Ended,
                 ..Row::failed("")
@@ -181,7 +187,7 @@ mod tests {
 
     #[test]
     fn parquet_and_csv_have_equal_values() {
-        for (table, length) in Row::TABLES.iter().zip([12, 12, 6]) {
+        for (table, length) in Row::TABLES.iter().zip([12, 12, 6, 6]) {
             let (text, parquet) = (written(table, Format::Csv), written(table, Format::Parquet));
             let mut csv = csv::Reader::from_path(text.path()).unwrap();
             let names = csv.headers().unwrap().clone();
@@ -223,8 +229,8 @@ mod tests {
 
     #[test]
     fn long_tables_have_the_cell_and_the_seed_of_every_robot_and_prediction() {
-        let [results, robots, predictions] = Row::TABLES else {
-            panic!("three tables");
+        let [results, robots, predictions, adversaries] = Row::TABLES else {
+            panic!("four tables");
         };
         assert!(!lines(results)[0].contains_key("robots"));
         let (robots, predictions) = (lines(robots), lines(predictions));
@@ -268,6 +274,18 @@ mod tests {
             "",
         ];
         assert_eq!(keys.map(prediction), expected);
+        let adversary = &lines(adversaries)[5];
+        let keys = [
+            "seed",
+            "attacker",
+            "adversary",
+            "attacks",
+            "attacks_detected",
+        ];
+        let expected = ["1", "intruder", "history", "9", "4"];
+        assert_eq!(keys.map(|key| &*adversary[key]), expected);
+        let mission = &lines(results)[0];
+        assert_eq!(mission["detection_share"].parse(), Ok(4.0 / 9.0));
     }
 
     #[test]

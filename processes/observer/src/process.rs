@@ -184,7 +184,7 @@ impl Process for ObserverProcess {
             shapes.update()?;
         }
         if self.map.update()? {
-            let grids = map_grids(&self.map);
+            let grids = map_grids(&self.map.header, self.map.cells());
             let space = Space::new(&blurred_map(grids.blurred, grids.occupied)?);
             if self.targets.is_empty() {
                 self.targets = self

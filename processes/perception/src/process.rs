@@ -227,7 +227,7 @@ impl Process for PerceptionProcess {
 
 impl PerceptionProcess {
     fn take_map(&mut self) -> Result<(), ProcessError> {
-        let grids = map_grids(&self.map);
+        let grids = map_grids(&self.map.header, self.map.cells());
         let map = blurred_map(grids.blurred, grids.occupied)?;
         if let Some(perception) = &mut self.perception {
             perception.set_map(&map);

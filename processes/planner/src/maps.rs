@@ -54,7 +54,7 @@ fn make_map(
         blurred,
         occupied,
         clearance,
-    } = map_grids(input);
+    } = map_grids(&input.header, input.cells());
     let blurred = blurred_map(blurred, occupied)?;
     let map = PlannerMap::new(blurred, clearance, u64::from(input.header.revision))
         .map_err(|e| ProcessError::Protocol(format!("world/map: {e}")))?;

@@ -2,10 +2,10 @@
 
 use geometry::blur::BlurredMap;
 use geometry::grid::{Grid, GridFrame};
+use ipc_types::messages::world::{MapCell, MapHeader};
 use nalgebra::Point2;
 
 use crate::error::ProcessError;
-use crate::inputs::MapInput;
 
 /// Converts a map message to grids.
 pub struct MapGrids {
@@ -17,14 +17,13 @@ pub struct MapGrids {
     pub clearance: Grid<f32>,
 }
 
-/// The grids of the newest map.
-pub fn map_grids(map: &MapInput) -> MapGrids {
-    let cells = map.cells();
+/// The grids of a map message.
+pub fn map_grids(header: &MapHeader, cells: &[MapCell]) -> MapGrids {
     let frame = GridFrame {
-        width: map.header.width as usize,
-        height: map.header.height as usize,
-        resolution: map.header.resolution,
-        origin: Point2::new(map.header.origin_x, map.header.origin_y),
+        width: header.width as usize,
+        height: header.height as usize,
+        resolution: header.resolution,
+        origin: Point2::new(header.origin_x, header.origin_y),
     };
     MapGrids {
         blurred: Grid {

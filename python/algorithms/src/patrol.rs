@@ -7,6 +7,7 @@ use ::patrol::contour::Contour;
 use ::patrol::danger::DangerZones;
 use ::patrol::forecast::{Forecast, ForecastError};
 use chaotic_maps::{Key, KeyKind};
+use metrics::detection::detection_by_place;
 use numpy::{PyArray1, PyArray2};
 use planner_view::waypoint::WaypointKind;
 use pyo3::prelude::*;
@@ -21,6 +22,9 @@ type Lap<'py> = (
     Bound<'py, PyArray1<f64>>,
     Bound<'py, PyArray1<bool>>,
 );
+
+/// Shares of detected attacks, and their intervals.
+type Shares<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>);
 
 /// Patrol along a contour as a zig-zag that differs on every lap, and that only the owner of the key can predict.
 ///
@@ -218,4 +222,31 @@ impl ZigZag {
     fn waypoints_per_lap(&self) -> u64 {
         self.forecast.awg().waypoints_per_lap()
     }
+}
+
+/// Shares of the start times at which attacks on places are detected, and their intervals, shapes (n,) and (n, 2).
+///
+/// `guards` has the positions of all guards at the first time, then at the second one, and so on.
+#[pyfunction]
+pub fn detection<'py>(
+    py: Python<'py>,
+    times: &Bound<'py, PyAny>,
+    guards: &Bound<'py, PyAny>,
+    places: &Bound<'py, PyAny>,
+    distance: f64,
+    duration: f64,
+) -> PyResult<Shares<'py>> {
+    let times = arguments::list("times", times, "finite numbers (s)")?;
+    let guards = arguments::points("guards", guards)?.points;
+    let places = arguments::points("places", places)?.points;
+    arguments::not_negative("distance", distance)?;
+    arguments::positive("duration", duration)?;
+    let shares = compute(py, move || {
+        detection_by_place(&times, &guards, &places, distance, duration)
+    })?;
+    let expected = "a duration for which ten attacks or more end in the time";
+    let shares = shares.ok_or_else(|| refused("duration", &duration, expected))?;
+    let intervals = arguments::array_of_rows(py, shares.iter().map(|place| place.interval))?;
+    let shares = shares.iter().map(|place| place.share).collect();
+    Ok((PyArray1::from_vec(py, shares), intervals))
 }

@@ -9,10 +9,11 @@ use std::sync::atomic::AtomicBool;
 use draw::raster::{Pixels, pixels};
 use log_tools::{LogInfo, TopicColumns, events, info_text, patrols};
 use mcap_log::derived::failed;
-use mcap_log::{DerivedError, LogReadError, ReadProgress};
+use mcap_log::{DerivedError, LogReadError, Origin, ReadProgress};
 use numpy::{IntoPyArray as _, PyArray3, PyArrayMethods as _};
 use platform::output_format::OutputFormat;
 use pyo3::prelude::*;
+use recorder::{PatrolMeasurement, RunInfo};
 use report::picture::{RunTrace, draw};
 use report::{page, picture};
 
@@ -90,6 +91,19 @@ impl LogFile {
         let columns = read.columns.into_iter();
         let columns = columns.map(|column| Bound::new(py, Column::new(py, column)));
         columns.collect()
+    }
+
+    /// Of each patrol: the names of its robots, and its places (m).
+    fn patrol_places(&self, py: Python<'_>) -> PyResult<Vec<(Vec<String>, Vec<[f64; 2]>)>> {
+        let run = read(py, |_| Ok(RunInfo::from_log(&Origin::read(&self.path)?)))?;
+        let run = run.unwrap_or_default();
+        let patrols = PatrolMeasurement::of_all(&run.patrols, &run.robots);
+        let middle = |[a, b]: [[f64; 2]; 2]| [0, 1].map(|axis| f64::midpoint(a[axis], b[axis]));
+        let places = |of: &PatrolMeasurement| of.ends().into_iter().map(middle).collect();
+        Ok(patrols
+            .iter()
+            .map(|of| (of.names().to_vec(), places(of)))
+            .collect())
     }
 
     /// Events of the run as JSON: a list as `events` in `protean run --json`.

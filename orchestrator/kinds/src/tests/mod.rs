@@ -25,11 +25,12 @@ fn every_kind_has_valid_defaults_and_presets_and_is_found_by_its_name() {
             "{}",
             kind.name
         );
-        // A patrol needs a contour, a policy its model.
+        // A patrol needs a contour, an attacker places, a policy its model.
         let least = match kind.name {
             "patrol_awg" | "patrol_fto" => {
                 json!({ "mission": { "contour": [[0.0, 0.0], [4.0, 0.0], [4.0, 3.0]] } })
             }
+            "attacker" => json!({ "places": [[1.0, 1.0]] }),
             "policy" => {
                 let model = include_bytes!("../../../../tests/policy/to_the_exit.onnx");
                 json!({ "model": runtime::files::value(model) })

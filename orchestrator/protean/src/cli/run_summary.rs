@@ -2,7 +2,7 @@
 
 use mission::MissionReport;
 use recorder::{
-    LapFigures, PredictionOutcome, ProcessOutcome, RobotOutcome, Summary, TopicCount,
+    AttackTotals, LapFigures, PredictionOutcome, ProcessOutcome, RobotOutcome, Summary, TopicCount,
     WaypointOutcome, outcome_words, time_text,
 };
 use scenario::{ResolvedScenario, ScenarioRemark, remark_lines};
@@ -283,6 +283,16 @@ pub fn text(
             }
             text += "\n";
         }
+    }
+    for adversary in AttackTotals::from_outcomes(&s.attacks) {
+        let AttackTotals {
+            attacker,
+            method,
+            attacks,
+            detected,
+        } = adversary;
+        let method = method.replace('_', " ");
+        text += &format!("attacks   {attacker}, {method}: {detected} of {attacks} detected\n");
     }
     for robot in &s.robots {
         if let Some(waypoints) = &robot.waypoints {

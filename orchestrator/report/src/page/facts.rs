@@ -295,6 +295,7 @@ pub fn facts(content: &mut PageContent) -> Json {
         "dominance": content.layers.regions.grid(),
         "coverage": coverage,
         "predictions": parsed("predictions"),
+        "attacks": parsed("attacks"),
         "missing": missing(content),
         "messages": MessageCounts::from_topics(&content.counts, |messages| *messages).to_string(),
         "ground": static_scene(content),

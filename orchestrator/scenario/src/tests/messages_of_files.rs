@@ -151,9 +151,9 @@ fn an_unknown_scenario_is_refused_with_the_known_names() {
     expect![[r#"
         error: chse: cannot be read: No such file or directory (os error 2)
           = value: chse
-          = expected: the path of a scenario, or a built-in scenario: one of `chase`, `chase_exact`, `chase_paper`, `chase_layouts`, `chase_braitenberg`, `chase_rrt_star`, `chase_popup`, `chase_referee`, `chase_reach_avoid`, `popup`, `popup_city`, `single_lane` … (22 in all)
+          = expected: the path of a scenario, or a built-in scenario: one of `chase`, `chase_exact`, `chase_paper`, `chase_layouts`, `chase_braitenberg`, `chase_rrt_star`, `chase_popup`, `chase_referee`, `chase_reach_avoid`, `popup`, `popup_city`, `single_lane` … (23 in all)
           = help: did you mean `chase`?
         error: /tmp: cannot be read: Is a directory (os error 21)
           = value: /tmp
-          = expected: the path of a scenario, or a built-in scenario: one of `chase`, `chase_exact`, `chase_paper`, `chase_layouts`, `chase_braitenberg`, `chase_rrt_star`, `chase_popup`, `chase_referee`, `chase_reach_avoid`, `popup`, `popup_city`, `single_lane` … (22 in all)"#]].assert_eq(&errors.join("\n"));
+          = expected: the path of a scenario, or a built-in scenario: one of `chase`, `chase_exact`, `chase_paper`, `chase_layouts`, `chase_braitenberg`, `chase_rrt_star`, `chase_popup`, `chase_referee`, `chase_reach_avoid`, `popup`, `popup_city`, `single_lane` … (23 in all)"#]].assert_eq(&errors.join("\n"));
 }

@@ -177,7 +177,7 @@ fn missing_scenarios_are_refused() {
             4 | scenario = "builtin:chase_exakt"
               |            ^^^^^^^^^^^^^^^^^^^^^
               = value: "builtin:chase_exakt"
-              = expected: one of `chase`, `chase_exact`, `chase_paper`, `chase_layouts`, `chase_braitenberg`, `chase_rrt_star`, `chase_popup`, `chase_referee`, `chase_reach_avoid`, `popup`, `popup_city`, `single_lane` … (22 in all)
+              = expected: one of `chase`, `chase_exact`, `chase_paper`, `chase_layouts`, `chase_braitenberg`, `chase_rrt_star`, `chase_popup`, `chase_referee`, `chase_reach_avoid`, `popup`, `popup_city`, `single_lane` … (23 in all)
               = help: did you mean `builtin:chase_exact`?
             error: nowhere.toml: cannot be read: No such file or directory (os error 2)
              --> small.toml:4:12 (scenario)
@@ -234,7 +234,7 @@ fn a_mistake_in_an_override_points_at_its_line_and_names_the_cell() {
             1 | processes.evader_potential={ kind = "evader_braitenburg", team = "evader" }
               |                                     ^^^^^^^^^^^^^^^^^^^^
               = value: "evader_braitenburg"
-              = expected: one of `perception`, `referee`, `observer`, `pursuer`, `evader_braitenberg`, `evader_potential`, `evader_reach_avoid`, `evader_rrt_star`, `policy`, `optimiser`, `ros2_bridge`, `navigator` … (20 in all)
+              = expected: one of `perception`, `referee`, `observer`, `attacker`, `pursuer`, `evader_braitenberg`, `evader_potential`, `evader_reach_avoid`, `evader_rrt_star`, `policy`, `optimiser`, `ros2_bridge` … (21 in all)
               = help: did you mean `evader_braitenberg`?
             error: robot `evader_1` has no range scanner, but process `evader_braitenberg_evader_1` (evader_braitenberg) steers by it (in case braitenberg, relative_speed = 0.8)
               --> chase_exact.toml:54:1 (robots.evader_1.scan)

@@ -6,6 +6,9 @@ const SMALLEST_DISC = 7;
 function methodColour(method) { return colours.curves[(method + 1) % colours.curves.length]; }
 const some = (name) => lists[`${name}.time`].length > 0;
 
+/** Attacks with their judgement, from the result of the run. */
+const attacks = facts.attacks || [];
+
 /** Name of the swept ground, with its share at the end. */
 function sweptText() {
   const share = facts.coverage && facts.coverage.coverable_fraction;
@@ -39,6 +42,8 @@ const LAYERS = [
     parts: [...new Set(lists['predictions.method'])].sort().map((method) => [methodColour(method), words(facts.methods[method] || 'unknown')]) },
   { id: 'verdicts', text: 'verdicts of the referee on the evaders', there: some('verdicts'), on: true,
     parts: [['exit', 'escape possible'], ['pursuer', 'can be stopped']] },
+  { id: 'attacks', text: 'attacks while they last', there: attacks.length > 0, on: true,
+    parts: [['exit', 'detected, from then on'], ['pursuer', 'not detected']] },
   ...facts.marks.map((name, topic) => ({ id: `marks ${name}`, text: name, there: some('marks'), on: true,
     parts: [[markColour(topic), 'elements of the topic']] })),
   { id: 'names', text: 'names', colour: 'ink', there: true, on: true },
@@ -249,6 +254,25 @@ function drawPredictions(t) {
   });
 }
 
+/** A cross at each place under attack, in a ring of the distance at which guards detect it. */
+function drawAttacks(t) {
+  inPixels(paint);
+  for (const a of attacks) {
+    if (t < a.begin_s || t > a.begin_s + a.duration_s) continue;
+    const [x, y] = toScreen(a.x, a.y);
+    paint.strokeStyle = a.detected_s !== undefined && t >= a.detected_s ? colours.exit : colours.pursuer;
+    paint.lineWidth = 2.5;
+    paint.beginPath();
+    paint.moveTo(x - 6, y - 6); paint.lineTo(x + 6, y + 6);
+    paint.moveTo(x - 6, y + 6); paint.lineTo(x + 6, y - 6);
+    paint.stroke();
+    paint.lineWidth = 1.2;
+    paint.beginPath();
+    paint.arc(x, y, Math.max(9, a.distance_m * view.scale), 0, 2 * Math.PI);
+    paint.stroke();
+  }
+}
+
 function drawWaypoints(t) {
   inPixels(paint);
   const until = lastUpTo(lists['waypoints.time'], ticksOf(t));
@@ -443,6 +467,7 @@ function drawMap(t, followed, trail) {
   if (shown.scans) drawScans(t);
   if (shown.plans) drawPlans(t);
   if (shown.predictions) drawPredictions(t);
+  if (shown.attacks) drawAttacks(t);
   drawMarkTopics(t);
   drawMarks(t);
   drawRobots(t, followed);

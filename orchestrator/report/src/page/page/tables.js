@@ -80,6 +80,11 @@ if (facts.predictions) {
     [...rows.values()].map(({ p, at }) => [p.robot, words(p.method), ...horizons.map((h) => (at.get(h) === undefined ? '–' : short(at.get(h)))),
       p.goals_observed, p.key_recovered_s === undefined ? '–' : `${timeText(p.key_recovered_s)} s`]), [0, 1]));
 }
+if (attacks.length) {
+  card('Attacks', table(['attacker', 'by', 'begin [s]', 'place [m]', 'for [s]', 'outcome', 'detected at [s]'],
+    attacks.map((a) => [a.attacker, words(a.method), timeText(a.begin_s), `${short(a.x)}, ${short(a.y)}`, short(a.duration_s),
+      a.outcome, a.detected_s === undefined ? '–' : timeText(a.detected_s)]), [0, 1, 5]));
+}
 const unplotted = facts.latency.filter((hop) => !hop.histogram);
 if (unplotted.length) {
   $('latency').append(element('section', { className: 'card scroll' }, table(['hop', 'p50', 'p90', 'p99', 'max'],
