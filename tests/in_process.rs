@@ -13,7 +13,7 @@ struct Case {
     seeds: &'static [&'static str],
 }
 
-const CASES: [Case; 29] = [
+const CASES: [Case; 30] = [
     Case {
         scenario: "chase",
         set: &["rules.time_limit=5"],
@@ -140,6 +140,14 @@ const CASES: [Case; 29] = [
     Case {
         scenario: "patrol_graph",
         set: &["rules.time_limit=60"],
+        seeds: &["1"],
+    },
+    Case {
+        scenario: "patrol_graph",
+        set: &[
+            "rules.time_limit=60",
+            "processes.patrol.params.strategy=markov",
+        ],
         seeds: &["1"],
     },
     Case {
