@@ -6,8 +6,8 @@ from .. import words
 from ..claim import Claim
 from ..figures import Chart, Point, Series
 from ..page import Page, fill
-from .claims import claims
-from .evidence import EXPERIMENTS, FAILURE, TEAM, Cell, Evidence, Study
+from .claims import PUBLISHED, claims
+from .evidence import EXPERIMENTS, FAILURE, PREDICTABILITY, STRATEGIES, TEAM, Cell, Evidence, Study
 
 #: Names of the cases of the experiment in which a guard fails.
 _CASES = {
@@ -15,6 +15,14 @@ _CASES = {
     "convoy": "each from the first waypoint",
     "failure": "spread, one stands between walls",
     "trapped": "spread, one drives around between walls",
+}
+#: Names of the cases with an observer.
+_PATROLS = {
+    "zigzag": "keyed zig-zag along the contour",
+    "cyclic": "cyclic, from corner to corner",
+    "reactive": "conscientious reactive among all corners",
+    "random": "random walk among all corners",
+    "markov": "Markov chain among all corners, keyed",
 }
 
 
@@ -28,9 +36,15 @@ def build(evidence: Evidence) -> Page:
         images.append(_chart(team))
     if failure is not None:
         values[FAILURE] = "".join(map(_failure, failure.cells))
+    if (observed := evidence.studies.get(PREDICTABILITY)) is not None:
+        values[PREDICTABILITY] = "".join(map(_observed, observed.cells))
+    found = claims(evidence)
+    strategies = [claim for claim in found if claim.key.startswith("strategy.")]
+    if STRATEGIES in evidence.studies:
+        values[STRATEGIES] = "".join(map(_strategy, strategies))
     for name, study in evidence.studies.items():
         provenance += words.provenance(name, study.seeds, study.program)
-    verdicts = "".join(map(_verdict, claims(evidence)))
+    verdicts = "".join(_verdict(claim) for claim in found if claim not in strategies)
     return Page(fill("patrol-teams.md", values | {"verdicts": verdicts, "provenance": provenance}), images)
 
 
@@ -66,6 +80,18 @@ def _team(study: Study, cell: Cell) -> str:
 def _failure(cell: Cell) -> str:
     laps = [worst / (cell.share_s * cell.guards) for worst in cell.worst()]
     return _row(_CASES[cell.case], _mean(cell.mean(), 1), _least(cell.worst(), 1), _most(cell.worst(), 1), _most(laps, 2))
+
+
+def _strategy(claim: Claim) -> str:
+    name = claim.key.removeprefix("strategy.")
+    known_as, runs = PUBLISHED[name]
+    theirs = ", ".join(words.decimals(run, 1) for run in runs)
+    return _row(f"`{name}`", known_as, theirs, claim.ours.text, claim.ours.interval_text, claim.verdict.markdown)
+
+
+def _observed(cell: Cell) -> str:
+    errors = (words.decimals(error, 2) for _, error in sorted(cell.errors().items()))
+    return _row(_PATROLS[cell.case], *errors, _mean(cell.mean(), 1), _most(cell.worst(), 1))
 
 
 def _verdict(claim: Claim) -> str:
