@@ -38,6 +38,7 @@ def build(evidence: Evidence) -> Page:
         values[FAILURE] = "".join(map(_failure, failure.cells))
     if (observed := evidence.studies.get(PREDICTABILITY)) is not None:
         values[PREDICTABILITY] = "".join(map(_observed, observed.cells))
+        images.append(_errors(observed))
     found = claims(evidence)
     strategies = [claim for claim in found if claim.key.startswith("strategy.")]
     if STRATEGIES in evidence.studies:
@@ -106,3 +107,12 @@ def _chart(study: Study) -> Chart:
         points = [Point(float(cell.guards), max(cell.worst()) / cell.share_s) for cell in cells]
         curves.append(Series(contour, points))
     return Chart("patrol-teams-idleness", "guards", "worst idleness by (lap / guards)", curves, share=False)
+
+
+def _errors(study: Study) -> Chart:
+    """Errors of the observer by the time by which it predicts ahead."""
+    curves = []
+    for cell in study.cells:
+        points = [Point(horizon, error) for horizon, error in sorted(cell.errors().items())]
+        curves.append(Series(_PATROLS[cell.case], points))
+    return Chart("patrol-teams-predictability", "time ahead [s]", "error of the best method [m]", curves, share=False)
