@@ -218,12 +218,6 @@ impl PatrolGraph {
         &self.points
     }
 
-    /// Mean length of an edge (m).
-    pub fn mean_edge_m(&self) -> f64 {
-        let lengths = || self.edges.iter().flatten().map(|edge| edge.length_m);
-        lengths().sum::<f64>() / lengths().count() as f64
-    }
-
     /// The edges from a node, in the order of the parameters; none from an unknown node.
     pub fn edges(&self, node: usize) -> &[Edge] {
         self.edges.get(node).map_or(&[], Vec::as_slice)

@@ -29,16 +29,14 @@ const SILENCE: (f64, f64) = (1.0, 3.0);
 /// Distance that paths keep from obstacles, as a multiple of the robot's radius.
 const CLEARANCE: f64 = 1.1;
 
-/// Distance that a robot leaves behind within [`LINGERED_S`] unless it drives around on one spot: as a share of the mean edge,
-/// and of its way at full speed.
-const SPOT: (f64, f64) = (0.5, 0.25);
+/// Spot on which a robot drives around: as a share of its way at full speed within [`LINGERED_S`].
+const SPOT: f64 = 0.1;
 
 /// Another robot of the team.
 #[derive(Debug, Clone, Copy)]
 struct Mate {
     robot: u32,
     stay: Stay,
-    is_lost: bool,
     /// Its last message, and the time of it (s).
     intention: Option<(Intention, f64)>,
 }
@@ -113,7 +111,6 @@ impl GraphPatrol {
             .map(|&robot| Mate {
                 robot,
                 stay: Stay::default(),
-                is_lost: false,
                 intention: None,
             })
             .collect();
@@ -215,8 +212,7 @@ impl GraphPatrol {
             site.began_s = view.time_s;
             site.visits = LastVisits::new(&site.graph, view.time_s);
         }
-        self.follow(&site.graph, view);
-        let mates = self.in_play(site.began_s, view);
+        let mates = self.in_play(site, view);
         self.team = mates.len() + 1;
         let robots = mates
             .iter()
@@ -256,32 +252,29 @@ impl GraphPatrol {
         Steering::stop()
     }
 
-    /// Follows the others: one that does not get on to its node is lost.
-    fn follow(&mut self, graph: &PatrolGraph, view: &View<'_>) {
-        for mate in &mut self.mates {
-            let Some(robot) = view.robot(mate.robot as usize) else {
-                continue;
-            };
-            let here = robot.pose.position();
-            let node = mate.intention.map(|(intention, _)| intention.node as usize);
-            let to = node.and_then(|node| graph.points().get(node));
-            let is_due = to.is_none_or(|to| (to - here).norm() <= self.params.visit);
-            let spot = (SPOT.0 * graph.mean_edge_m()).min(SPOT.1 * robot.v_max * LINGERED_S);
-            let reach = [robot.radius, spot];
-            mate.is_lost = mate.stay.is_lost(here, view.time_s, reach, is_due);
-        }
-    }
-
-    /// The other robots that take part: in play, not lost, and not silent for long since the start (s).
-    fn in_play(&self, began_s: f64, view: &View<'_>) -> Vec<Mate> {
+    /// The other robots that take part: in play, not silent for long since the start, and not lost on the way to a node.
+    fn in_play(&mut self, site: &Site, view: &View<'_>) -> Vec<Mate> {
         let silence_s = SILENCE.0.max(SILENCE.1 * view.dt);
-        let is_in_play = |mate: &&Mate| {
-            let heard_s = mate.intention.map_or(began_s, |(_, heard_s)| heard_s);
+        let is_in_play = |mate: &mut Mate| {
             let seen = view.robot(mate.robot as usize);
-            let is_active = seen.is_some_and(|robot| robot.active);
-            is_active && !mate.is_lost && view.time_s - heard_s <= silence_s
+            let Some(robot) = seen.filter(|robot| robot.active) else {
+                mate.stay = Stay::default();
+                return false;
+            };
+            let (here, points) = (robot.pose.position(), site.graph.points());
+            let to = mate
+                .intention
+                .and_then(|(i, _)| points.get(i.node as usize));
+            let is_due = to.is_none_or(|to| (to - here).norm() <= self.params.visit);
+            let reach = [robot.radius, SPOT * robot.v_max * LINGERED_S];
+            let is_lost = mate.stay.is_lost(here, view.time_s, reach, is_due);
+            let heard_s = mate.intention.map_or(site.began_s, |(_, heard_s)| heard_s);
+            !is_lost && view.time_s - heard_s <= silence_s
         };
-        self.mates.iter().filter(is_in_play).copied().collect()
+        let mates = self.mates.iter_mut();
+        mates
+            .filter_map(|mate| is_in_play(mate).then_some(*mate))
+            .collect()
     }
 
     /// The robot is at the node that it headed for, unless a waypoint failed away from it.
