@@ -149,6 +149,14 @@ const CASES: [Case; 30] = [
         seeds: &["1"],
     },
     Case {
+        scenario: "patrol_graph",
+        set: &[
+            "rules.time_limit=60",
+            "processes.patrol.params.strategy=markov",
+        ],
+        seeds: &["1"],
+    },
+    Case {
         scenario: "coverage_open",
         set: &["rules.time_limit=30"],
         seeds: &["1"],

@@ -52,6 +52,37 @@ def test_a_gap_is_closed_within_a_lap() -> None:
 def test_the_page_has_a_row_for_each_cell_and_notes_without_results() -> None:
     page = build(made_up((61.0, 20.0), (66.0, 6.0)))
     assert "| octagon | 2 | 31.8 | 66.0 | 1.100 | 6.00 | 1.00 |" in page.text
-    assert page.text.count("*No results of this experiment.*") == 1
+    assert page.text.count("*No results of this experiment.*") == 3
     assert [image.name for image in page.images] == ["patrol-teams-idleness"]
-    assert build(Evidence()).text.count("*No results of this experiment.*") == 2
+    assert build(Evidence()).text.count("*No results of this experiment.*") == 4
+
+
+def intervals(*seconds: float) -> Evidence:
+    """Four robots by SEBS with these mean times between visits."""
+    found = {seed: {"patrols": [{"mean_interval_s": value}]} for seed, value in enumerate(seconds, 1)}
+    return Evidence({"patrol_strategies": Study("0.1.0", "1..3", [Cell("grid", "", 4, found, "state_exchange")])})
+
+
+def test_results_of_others_lie_in_the_interval_for_one_more_mission_or_not() -> None:
+    # 55.5 and 56.5 s are theirs.
+    for seconds, verdict in (
+        ((55.0, 56.0, 57.0), CONFIRMED),
+        ((50.0, 50.1, 50.2), REFUTED),
+        ((55.5, 55.6, 55.7), UNDECIDED),
+    ):
+        assert verdicts(intervals(*seconds))["teams.strategy.state_exchange"] == verdict
+    assert verdicts(intervals(50.0, 50.1, 50.2))["teams.strategy.cyclic"] == NO_DATA
+    page = build(intervals(50.0, 50.1, 50.2)).text
+    assert "| `state_exchange` | SEBS | 55.5, 56.5 | 50.1 s | 49.6 … 50.6 | **refuted** |" in page
+
+
+def test_the_best_method_of_an_observer_counts() -> None:
+    def mission(kalman: float, particles: float) -> dict[str, Any]:
+        errors = {"kalman": kalman, "particles": particles}
+        predictions = [{"method": method, "horizon_s": 5.0, "mean_m": error} for method, error in errors.items()]
+        return {"predictions": predictions, "patrols": [{"mean_idleness_s": 20.0, "worst_idleness_s": 50.0}]}
+
+    cell = Cell("markov", "", 1, {1: mission(2.0, 1.0), 2: mission(1.0, 4.0)})
+    assert cell.errors() == {5.0: 1.5}
+    page = build(Evidence({"patrol_predictability": Study("0.1.0", "1..2", [cell])})).text
+    assert "| Markov chain among all corners, keyed | 1.50 | 20.0 | 50.0 |" in page

@@ -7,25 +7,17 @@
 //! - The clock stands while a robot that takes part is *away* from its place, by more than a quarter of the
 //!   distance between two of them; a robot that is early then waits. Robots gather at their first places in this way,
 //!   and late ones get back to theirs. It waits for a round at most.
-//! - A robot out of play, or one that is away and has stood for [`STOOD_S`], or driven around on one spot for [`LINGERED_S`],
-//!   takes part no more. One that drives on
+//! - A robot out of play, or one that is away and counts as [lost](Stay), takes part no more. One that drives on
 //!   takes part again, at the place nearest to it.
 //! - With each such change the places are divided again. Their order remains, and no place moves back.
 
-use nalgebra::Point2;
+use planner_view::stay::Stay;
 use planner_view::view::{RobotView, View};
 use planner_view::waypoint::{Waypoint, WaypointReport};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::awg::Awg;
-
-/// Time without motion after which a robot that is away from its place counts as failed (s).
-pub const STOOD_S: f64 = 10.0;
-
-/// Time after which a robot that is away counts as failed if it has only driven around within the distance at which it is
-/// away (s).
-pub const LINGERED_S: f64 = 30.0;
 
 /// Distance from its place at which a robot is away, as a share of the distance between two places.
 const AWAY: f64 = 0.25;
@@ -59,10 +51,7 @@ struct Member {
     clock_s: f64,
     takes_part: bool,
     is_away: bool,
-    /// Last position away from which it has not moved, and the time since then (s); `None` out of play.
-    rest: Option<(Point2<f64>, f64)>,
-    /// The same for the distance at which it is away.
-    stay: Option<(Point2<f64>, f64)>,
+    stay: Stay,
 }
 
 /// The robots of a team on one contour, as one of them sees them.
@@ -117,8 +106,7 @@ impl Team {
                 },
                 takes_part: robot.is_some(),
                 is_away: false,
-                rest: robot.map(|robot| (robot.pose.position(), view.time_s)),
-                stay: None,
+                stay: Stay::default(),
             };
             self.members = robots.iter().map(seen).enumerate().map(place).collect();
             // Robots that begin where they stand drive to other places along the contour.
@@ -227,32 +215,18 @@ impl Team {
 impl Member {
     /// Follows the robot, `None` if it is out of play; returns `true` if it takes part from now on, or no more.
     fn follow(&mut self, awg: &Awg, robot: Option<&RobotView>, time_s: f64, limit: f64) -> bool {
+        let took_part = self.takes_part;
         let Some(robot) = robot else {
-            (self.rest, self.stay) = (None, None);
+            self.stay = Stay::default();
             return core::mem::take(&mut self.takes_part);
         };
-        let here = robot.pose.position();
-        let (at, since_s) = *self.rest.get_or_insert((here, time_s));
-        let moved = (here - at).norm();
-        if !self.takes_part {
-            self.takes_part = moved > limit || since_s >= time_s;
-            if self.takes_part {
-                self.clock_s = nearest_s(awg, robot);
-                self.rest = Some((here, time_s));
-                self.stay = self.rest;
-            }
-            return self.takes_part;
+        let (here, reach) = (robot.pose.position(), [robot.radius, limit]);
+        let is_due = !self.is_beyond(awg, robot, limit);
+        self.takes_part = !self.stay.is_lost(here, time_s, reach, is_due);
+        if self.takes_part && !took_part {
+            self.clock_s = nearest_s(awg, robot);
         }
-        let (from, stays_since_s) = *self.stay.get_or_insert((here, time_s));
-        let is_near = !self.is_beyond(awg, robot, limit);
-        if is_near || moved > robot.radius {
-            self.rest = Some((here, time_s));
-        }
-        if is_near || (here - from).norm() > limit {
-            self.stay = Some((here, time_s));
-        }
-        self.takes_part = time_s - since_s < STOOD_S && time_s - stays_since_s < LINGERED_S;
-        !self.takes_part
+        self.takes_part != took_part
     }
 
     fn is_beyond(&self, awg: &Awg, robot: &RobotView, limit: f64) -> bool {

@@ -8,7 +8,7 @@
 
 use std::time::Instant;
 
-use patrol_chain::{Capture, Chain, TravelTimes, optimise};
+use patrol_chain::{Capture, Chain, KeyedStream, TravelTimes, optimise};
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 
@@ -68,7 +68,9 @@ fn captured(chain: &Chain, from: usize, at: usize, duration: u32, attacks: u32, 
         key[..4].copy_from_slice(&attack.to_le_bytes());
         key[4..8].copy_from_slice(&seed.to_le_bytes());
         let (mut node, mut left) = (from, duration);
-        for next in chain.walk(from, key) {
+        let mut stream = KeyedStream::new(key);
+        loop {
+            let next = chain.draw(node, &mut stream);
             let edges = chain.times().from(node);
             let edge = edges.iter().find(|edge| edge.to == next).unwrap();
             let Some(rest) = left.checked_sub(edge.time) else {

@@ -102,11 +102,6 @@ impl<'a> Capture<'a> {
         terms.fold(0.0, |sum, term| sum + term)
     }
 
-    /// The probability that a robot which leaves `from` is at `at` before the end of an attack there.
-    pub fn probability(&self, from: usize, at: usize) -> f64 {
-        self.probabilities[at * self.chain.times().nodes() + from]
-    }
-
     /// The best response of an intruder.
     pub fn best_response(&self) -> BestResponse {
         let nodes = self.chain.times().nodes();

@@ -1,4 +1,4 @@
-//! Markov chains on a graph, and walks along them.
+//! Markov chains on a graph.
 
 use chaotic_maps::{KeyedStream, Source as _};
 
@@ -43,8 +43,10 @@ impl Chain {
         &self.rows[node]
     }
 
-    /// The node after `node` by a number in [0, 1).
-    fn next(&self, node: usize, mut unit: f64) -> usize {
+    /// The node after a node, drawn from a key stream. An ally with the key draws the same nodes and knows every one of
+    /// them beforehand; an observer without it knows the probabilities only.
+    pub fn draw(&self, node: usize, stream: &mut KeyedStream) -> usize {
+        let mut unit = stream.next_unit()[0];
         let edges = self.times.from(node);
         let mut last = edges[0].to;
         for (edge, probability) in edges.iter().zip(self.row(node)) {
@@ -57,32 +59,5 @@ impl Chain {
             }
         }
         last
-    }
-
-    /// The walk of a robot with this key from a node. An ally with the key makes the same walk and knows every node of it
-    /// beforehand; an observer without it knows the probabilities only.
-    pub fn walk(&self, start: usize, key: [u8; 32]) -> Walk<'_> {
-        Walk {
-            chain: self,
-            node: start,
-            stream: KeyedStream::new(key),
-        }
-    }
-}
-
-/// The nodes after the start of a walk, without end: [`Chain::walk`].
-#[derive(Debug, Clone)]
-pub struct Walk<'a> {
-    chain: &'a Chain,
-    node: usize,
-    stream: KeyedStream,
-}
-
-impl Iterator for Walk<'_> {
-    type Item = usize;
-
-    fn next(&mut self) -> Option<usize> {
-        self.node = self.chain.next(self.node, self.stream.next_unit()[0]);
-        Some(self.node)
     }
 }

@@ -33,7 +33,8 @@ mod optimise;
 mod times;
 
 pub use capture::{BestResponse, Capture};
-pub use chain::{Chain, Walk};
+pub use chain::Chain;
+pub use chaotic_maps::KeyedStream;
 pub use optimise::optimise;
 pub use times::{ChainError, Edge, TravelTimes};
 

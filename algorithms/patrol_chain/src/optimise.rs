@@ -16,7 +16,7 @@ use crate::times::{ChainError, TravelTimes};
 const FIRST_BETA: f64 = 200.0;
 const STAGES: u32 = 8;
 /// Steps of a stage, and length of a step in the first one; in each later one it is shorter by a factor.
-const STEPS: u32 = 500;
+const STEPS: u32 = 100;
 const FIRST_LENGTH: f64 = 0.05;
 const SHORTER: f64 = 0.7;
 /// Decay of the means of the gradient and of its square.

@@ -1,6 +1,7 @@
 //! Strategies of patrols, and their parameters.
 
-use parameters::{Parameters, above, at_least};
+use chaotic_maps::Key;
+use parameters::{Parameters, ParamsError, above, at_least};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -33,6 +34,9 @@ pub enum Strategy {
     /// All robots follow each other around the whole graph, at equal distances (Chevaleyre, *Theoretical analysis of the
     /// multi-agent patrolling problem*, 2004).
     Cyclic,
+    /// A neighbour by the probabilities of a Markov chain, drawn from a key: no attack of a given duration is caught less often
+    /// than its floor (Duan, Paccagnan and Bullo, *Stochastic strategies for robotic surveillance as Stackelberg games*, 2021).
+    Markov,
 }
 
 /// Parameters of the Bayesian strategies `greedy` and `state_exchange`.
@@ -86,3 +90,33 @@ impl Default for AssignmentParams {
 }
 
 impl Parameters for AssignmentParams {}
+
+/// Parameters of the strategy `markov`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct MarkovParams {
+    /// Duration of the attacks against which the chain is optimised.
+    #[schemars(transform = above(0).unit("s"))]
+    pub attack_s: f64,
+    /// Key of the draws, a `keyed` one. It is that of a team: the first robot of the team uses it, each other one derives
+    /// its own from it. If absent, each robot has one from the seed of the run.
+    pub key: Option<Key>,
+}
+
+impl Default for MarkovParams {
+    fn default() -> Self {
+        Self {
+            attack_s: 120.0,
+            key: None,
+        }
+    }
+}
+
+impl Parameters for MarkovParams {
+    fn check_relations(&self) -> Result<(), ParamsError> {
+        match Key::secret(self.key, 0) {
+            Ok(_) => Ok(()),
+            Err(error) => Err(ParamsError::naming(format!("`key`: {error}"))),
+        }
+    }
+}

@@ -6,7 +6,9 @@ use proptest::prelude::*;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng as _;
 
-use crate::{GraphParams, PatrolGraph, Seen, Strategy as Patrol, Walker, parts};
+use patrol_chain::KeyedStream;
+
+use crate::{Attacks, GraphParams, PatrolGraph, Seen, Strategy as Patrol, Walker, parts};
 
 const ALL: [Patrol; 9] = [
     Patrol::Random,
@@ -246,4 +248,54 @@ fn a_team_beats_the_random_walk_unless_all_choose_the_same_node() {
     }
     let (alone_s, exchange_s) = (mean_s(Patrol::Greedy, 4), mean_s(Patrol::StateExchange, 4));
     assert!(exchange_s < alone_s, "{exchange_s} against {alone_s}");
+}
+
+#[test]
+fn a_walk_on_a_chain_is_the_one_that_its_key_draws() {
+    let graph = Arc::new(grid());
+    let attacks = Attacks::new(&graph, 120.0, 1.0, 0.6).unwrap();
+    let chain = Arc::new(attacks.chain().unwrap());
+    let floor = |chain| attacks.best(chain).unwrap().probability;
+    let (optimised, random) = (floor(&chain), floor(&attacks.random_walk()));
+    assert!(optimised > 2.0 * random, "{optimised} {random}");
+
+    let rng = ChaCha8Rng::seed_from_u64(1);
+    let walker = Walker::new(graph, Patrol::Markov, 1.0, rng);
+    let mut walker = walker.on_chain(chain.clone(), [7; 32]);
+    let seen = Seen {
+        idleness_s: &[0.0; 25],
+        intentions: &[],
+        rank: 0,
+        robots: 1,
+        others_ready: true,
+        time_s: 0.0,
+    };
+    let (mut at, mut ally) = (0, KeyedStream::new([7; 32]));
+    for _ in 0..1000 {
+        let next = walker.next(at, &seen);
+        assert_eq!(next, Some(chain.draw(at, &mut ally)));
+        at = next.unwrap();
+    }
+}
+
+#[test]
+fn whole_steps_never_favour_the_robot() {
+    let floor = |graph: &PatrolGraph, attack_s| {
+        let attacks = Attacks::new(graph, attack_s, 1.0, 0.0).unwrap();
+        attacks.best(&attacks.random_walk()).unwrap().probability
+    };
+    // From end to end of a line, and back to an end: 4 s, which half of the shorter edge divides.
+    let line = |second_m| {
+        PatrolGraph::new(&GraphParams {
+            nodes: vec![[0.0, 0.0], [1.0, 0.0], [1.0 + second_m, 0.0]],
+            edges: vec![[0, 1], [1, 2]],
+            lengths: Vec::new(),
+        })
+    };
+    let even = line(1.0).unwrap();
+    assert_eq!((floor(&even, 1.9), floor(&even, 2.0)), (0.0, 0.5));
+    // 2.6 steps of half a metre count as 3, so that the second edge takes 6 there and back.
+    let uneven = line(1.3).unwrap();
+    assert_eq!((floor(&uneven, 2.9), floor(&uneven, 3.0)), (0.0, 0.5));
+    assert!(Attacks::new(&even, 0.4, 1.0, 0.0).is_err());
 }

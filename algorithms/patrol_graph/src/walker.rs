@@ -3,6 +3,7 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
+use patrol_chain::{Chain, KeyedStream};
 use rand::Rng;
 
 use crate::choices;
@@ -56,6 +57,8 @@ pub struct Walker<R> {
     /// Nodes that it walks to before it chooses again.
     path: VecDeque<usize>,
     round: Option<Round>,
+    /// Chain of the strategy `markov`, and the stream of its draws.
+    chain: Option<(Arc<Chain>, KeyedStream)>,
     is_ready: bool,
 }
 
@@ -72,6 +75,7 @@ impl<R: Rng> Walker<R> {
             origin: None,
             path: VecDeque::new(),
             round: None,
+            chain: None,
             is_ready: strategy != Strategy::Cyclic,
         }
     }
@@ -82,6 +86,16 @@ impl<R: Rng> Walker<R> {
         Self {
             bayes,
             assignment,
+            ..self
+        }
+    }
+
+    /// The same with a chain on the graph for the strategy `markov`, and the key from which it draws. Without a chain
+    /// a robot with this strategy stays where it is.
+    #[must_use]
+    pub fn on_chain(self, chain: Arc<Chain>, key: [u8; 32]) -> Self {
+        Self {
+            chain: Some((chain, KeyedStream::new(key))),
             ..self
         }
     }
@@ -138,6 +152,10 @@ impl<R: Rng> Walker<R> {
                     let (ends, params) = ((at, origin), &self.assignment);
                     let node = choices::assignment(graph, ends, idle, seen.intentions, params, rng);
                     self.head_for(at, node?);
+                }
+                Strategy::Markov => {
+                    let (chain, stream) = self.chain.as_mut()?;
+                    self.path.push_back(chain.draw(at, stream));
                 }
                 Strategy::Partition | Strategy::Cyclic => {
                     let node = self.on_round(at, seen)?;

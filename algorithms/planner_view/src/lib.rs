@@ -5,6 +5,7 @@
 //!   [`free_space::FreeSpace`]: its exact pieces, for planners that search;
 //! - [`limits::Limits`]: limits of the robot;
 //! - [`steering::Steering`]: the command, and data for display;
+//! - [`stay::Stay`]: when a team does without a robot;
 //! - [`waypoint`]: waypoints and their outcomes; [`event`]: other reports.
 
 pub mod derived;
@@ -13,6 +14,7 @@ pub mod free_space;
 pub mod limits;
 pub mod map;
 pub mod of_world;
+pub mod stay;
 pub mod steering;
 pub mod view;
 pub mod waypoint;

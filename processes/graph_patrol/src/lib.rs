@@ -3,6 +3,7 @@
 //! [`GraphPatrol`] decides and drives for one robot: [`patrol_graph`] has the strategies, the waypoint driver of `avoidance`
 //! drives. [`process`] connects it to its topics, and exchanges intentions within the team.
 
+mod chain;
 mod messages;
 mod params;
 mod patrol;

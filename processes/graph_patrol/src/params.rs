@@ -2,7 +2,7 @@
 
 use avoidance::waypoint_driver::DriverParams;
 use parameters::{Parameters, ParamsError, above, within};
-use patrol_graph::{AssignmentParams, BayesParams, GraphParams, Strategy};
+use patrol_graph::{AssignmentParams, BayesParams, GraphParams, MarkovParams, Strategy};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -26,6 +26,8 @@ pub struct GraphPatrolParams {
     pub bayes: BayesParams,
     /// Parameters of the strategy `task_assignment`.
     pub assignment: AssignmentParams,
+    /// Parameters of the strategy `markov`.
+    pub markov: MarkovParams,
     /// Distance within which a robot visits a node.
     #[schemars(transform = above(0).unit("m"))]
     pub visit: f64,
@@ -41,6 +43,7 @@ impl Default for GraphPatrolParams {
             strategy: Strategy::default(),
             bayes: BayesParams::default(),
             assignment: AssignmentParams::default(),
+            markov: MarkovParams::default(),
             visit: 0.5,
             driver: DriverParams::default(),
         }
@@ -49,6 +52,7 @@ impl Default for GraphPatrolParams {
 
 impl Parameters for GraphPatrolParams {
     fn check_relations(&self) -> Result<(), ParamsError> {
-        self.graph.check_relations().map_err(within("graph"))
+        self.graph.check_relations().map_err(within("graph"))?;
+        self.markov.check_relations().map_err(within("markov"))
     }
 }

@@ -4,12 +4,14 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 use avoidance::waypoint_driver::{Situation, WaypointDriver};
+use chaotic_maps::{Key, KeyError};
 use nalgebra::{Point2, Vector2};
 use navigation::shortest_paths::ShortestPaths;
 use parameters::{ParamsError, check};
-use patrol_graph::{LastVisits, OfMapError, PatrolGraph, Seen, Walker, graph_of_map};
+use patrol_graph::{LastVisits, OfMapError, PatrolGraph, Seen, Strategy, Walker, graph_of_map};
 use planner_view::limits::Limits;
 use planner_view::map::PlannerMap;
+use planner_view::stay::{LINGERED_S, Stay};
 use planner_view::steering::Steering;
 use planner_view::view::{RobotView, View};
 use planner_view::waypoint::{Waypoint, WaypointKind, WaypointOutcome, WaypointReport};
@@ -17,6 +19,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng as _;
 use robot::spec::RobotModel;
 
+use crate::chain::{attacks, chain};
 use crate::messages::Intention;
 use crate::params::GraphPatrolParams;
 
@@ -26,10 +29,14 @@ const SILENCE: (f64, f64) = (1.0, 3.0);
 /// Distance that paths keep from obstacles, as a multiple of the robot's radius.
 const CLEARANCE: f64 = 1.1;
 
+/// Spot on which a robot drives around: as a share of its way at full speed within [`LINGERED_S`].
+const SPOT: f64 = 0.1;
+
 /// Another robot of the team.
 #[derive(Debug, Clone, Copy)]
 struct Mate {
     robot: u32,
+    stay: Stay,
     /// Its last message, and the time of it (s).
     intention: Option<(Intention, f64)>,
 }
@@ -54,7 +61,7 @@ struct Site {
 pub struct GraphPatrol {
     params: GraphPatrolParams,
     limits: Limits,
-    radius: f64,
+    model: RobotModel,
     seed: u64,
     me: u32,
     mates: Vec<Mate>,
@@ -84,7 +91,7 @@ impl GraphPatrol {
         Ok(Self {
             params: params.clone(),
             limits,
-            radius: model.radius,
+            model: *model,
             seed,
             me: 0,
             mates: Vec::new(),
@@ -103,6 +110,7 @@ impl GraphPatrol {
         self.mates = others
             .map(|&robot| Mate {
                 robot,
+                stay: Stay::default(),
                 intention: None,
             })
             .collect();
@@ -113,19 +121,26 @@ impl GraphPatrol {
     /// # Errors
     /// [`OfMapError`] if the map has no graph.
     pub fn enter(&mut self, map: &PlannerMap) -> Result<(), OfMapError> {
-        let paths = ShortestPaths::new(map, CLEARANCE * self.radius).ok();
+        let paths = ShortestPaths::new(map, CLEARANCE * self.model.radius).ok();
         if let Some(site) = &mut self.site {
             site.paths = paths;
             return Ok(());
         }
-        let graph = graph(&self.params, map, self.radius)?;
+        let graph = graph(&self.params, map, self.model.radius)?;
         let Ok(graph) = PatrolGraph::new(&graph).map(Arc::new) else {
             // Checked with the parameters, and connected if it is from the map.
             return Ok(());
         };
         let v = self.limits.v_max() * self.params.driver.go_to.speed_fraction;
         let rng = ChaCha8Rng::seed_from_u64(self.seed);
-        let walker = Walker::new(graph.clone(), self.params.strategy, v, rng);
+        let mut walker = Walker::new(graph.clone(), self.params.strategy, v, rng);
+        // Checked with the task.
+        if self.params.strategy == Strategy::Markov
+            && let Ok(chain) = attacks(&self.params, &graph, &self.model).and_then(chain)
+            && let Ok(key) = self.key()
+        {
+            walker = walker.on_chain(chain, key);
+        }
         self.site = Some(Site {
             visits: LastVisits::new(&graph, 0.0),
             walker: walker.with(self.params.bayes, self.params.assignment),
@@ -137,6 +152,16 @@ impl GraphPatrol {
             began_s: 0.0,
         });
         Ok(())
+    }
+
+    /// The key of its draws.
+    fn key(&self) -> Result<[u8; 32], KeyError> {
+        let before = self.mates.iter().filter(|mate| mate.robot < self.me);
+        let of_team = self.params.markov.key;
+        Key::secret(
+            of_team.map(|key| key.of_robot(before.count() as u64)),
+            self.seed,
+        )
     }
 
     /// Takes an intention of a robot of the team, sent at a time (s).
@@ -187,7 +212,7 @@ impl GraphPatrol {
             site.began_s = view.time_s;
             site.visits = LastVisits::new(&site.graph, view.time_s);
         }
-        let mates = self.in_play(site.began_s, view);
+        let mates = self.in_play(site, view);
         self.team = mates.len() + 1;
         let robots = mates
             .iter()
@@ -227,15 +252,29 @@ impl GraphPatrol {
         Steering::stop()
     }
 
-    /// The other robots that take part: in play, and not silent for long since the start (s).
-    fn in_play(&self, began_s: f64, view: &View<'_>) -> Vec<Mate> {
+    /// The other robots that take part: in play, not silent for long since the start, and not lost on the way to a node.
+    fn in_play(&mut self, site: &Site, view: &View<'_>) -> Vec<Mate> {
         let silence_s = SILENCE.0.max(SILENCE.1 * view.dt);
-        let is_in_play = |mate: &&Mate| {
-            let heard_s = mate.intention.map_or(began_s, |(_, heard_s)| heard_s);
+        let is_in_play = |mate: &mut Mate| {
             let seen = view.robot(mate.robot as usize);
-            seen.is_some_and(|robot| robot.active) && view.time_s - heard_s <= silence_s
+            let Some(robot) = seen.filter(|robot| robot.active) else {
+                mate.stay = Stay::default();
+                return false;
+            };
+            let (here, points) = (robot.pose.position(), site.graph.points());
+            let to = mate
+                .intention
+                .and_then(|(i, _)| points.get(i.node as usize));
+            let is_due = to.is_none_or(|to| (to - here).norm() <= self.params.visit);
+            let reach = [robot.radius, SPOT * robot.v_max * LINGERED_S];
+            let is_lost = mate.stay.is_lost(here, view.time_s, reach, is_due);
+            let heard_s = mate.intention.map_or(site.began_s, |(_, heard_s)| heard_s);
+            !is_lost && view.time_s - heard_s <= silence_s
         };
-        self.mates.iter().filter(is_in_play).copied().collect()
+        let mates = self.mates.iter_mut();
+        mates
+            .filter_map(|mate| is_in_play(mate).then_some(*mate))
+            .collect()
     }
 
     /// The robot is at the node that it headed for, unless a waypoint failed away from it.

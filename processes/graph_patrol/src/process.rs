@@ -6,7 +6,8 @@ use geometry::map::{MapSpec, WorldMap};
 use ipc_types::bus::{Bus, Publisher, PublisherOptions, Subscriber};
 use ipc_types::stamp::PlainHeader;
 use nalgebra::Point2;
-use patrol_graph::{GraphParams, OfMapError};
+use patrol_chain::{Chain, ChainError};
+use patrol_graph::{Attacks, GraphParams, OfMapError, PatrolGraph, Strategy};
 use planner::{Declaration, Input, Output, Planner, PlannerError, PlannerProcess, limits};
 use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
@@ -19,6 +20,7 @@ use runtime::error::ProcessError;
 use runtime::kind::{GraphSketch, Process, ProcessKind, Remark, Task, TaskFault, TaskSketch};
 use runtime::maps::Maps;
 
+use crate::chain;
 use crate::messages::{Intention, Intentions};
 use crate::params::GraphPatrolParams;
 use crate::patrol::{GraphPatrol, graph};
@@ -37,6 +39,17 @@ fn graph_on(
     }
     let map = PlannerMap::of_world(map, BLUR_SIGMA, 1).ok()?;
     Some(graph(params, &map, radius))
+}
+
+/// The attacks of the strategy `markov` on the map of a scenario; `None` for another one, or without a graph.
+fn markov_on(params: &GraphPatrolParams, task: &Task<'_>) -> Option<Result<Attacks, ChainError>> {
+    if params.strategy != Strategy::Markov {
+        return None;
+    }
+    let model = task.robot.model();
+    let graph = graph_on(params, task.world_map, model.radius)?.ok()?;
+    let graph = PatrolGraph::new(&graph).ok()?;
+    Some(chain::attacks(params, &graph, &model))
 }
 
 /// Planner of one robot that patrols a graph.
@@ -89,6 +102,9 @@ impl Planner for GraphPatrolPlanner {
         if let Some(Err(error)) = graph_on(params, task.world_map, radius) {
             return Err(TaskFault::param("spacing", &error.to_string()));
         }
+        if let Some(Err(error)) = markov_on(params, task) {
+            return Err(TaskFault::param("markov.attack_s", &error.to_string()));
+        }
         for (index, &[x, y]) in params.graph.nodes.iter().enumerate() {
             if !task.world_map.is_clear(Point2::new(x, y), radius) {
                 let message = format!(
@@ -111,7 +127,21 @@ impl Planner for GraphPatrolPlanner {
                 "the map has a graph of {nodes} nodes and {edges} edges"
             ))
         });
-        text.into_iter().collect()
+        let floor = markov_on(params, task)
+            .and_then(Result::ok)
+            .and_then(|attacks| {
+                let caught = |chain: &Chain| Some(100.0 * attacks.best(chain).ok()?.probability);
+                let chain = chain::chain(attacks.clone()).ok()?;
+                Some((caught(&chain)?, caught(&attacks.random_walk())?))
+            });
+        let floor = floor.map(|(floor, walk)| {
+            Remark::Note(format!(
+                "an attack of {} s is caught by each robot with a probability of at least {floor:.1} %; a random walk: \
+                 {walk:.1} %",
+                params.markov.attack_s
+            ))
+        });
+        text.into_iter().chain(floor).collect()
     }
 
     fn new(params: &GraphPatrolParams, robot: &RobotInfo, seed: u64) -> Result<Self, PlannerError> {

@@ -5,11 +5,12 @@
 use core::time::Duration;
 
 use geometry::map::{MapSpec, VectorMap};
-use geometry::pose::Pose2;
+use geometry::pose::{Pose2, Twist2};
 use graph_patrol::{GraphPatrol, GraphPatrolParams, Intention};
 use metrics::idleness::NodeIdleness;
 use nalgebra::Point2;
-use patrol_graph::Strategy;
+use patrol_chain::KeyedStream;
+use patrol_graph::{Attacks, PatrolGraph, Strategy};
 use planner_view::limits::Limits;
 use planner_view::map::PlannerMap;
 use planner_view::view::{RobotView, ScanView, View};
@@ -61,6 +62,8 @@ struct Team {
     guards: Vec<GraphPatrol>,
     /// Robots that get no commands and say nothing.
     failed: Vec<usize>,
+    /// Robots that drive in circles.
+    trapped: Vec<usize>,
 }
 
 impl Team {
@@ -87,6 +90,7 @@ impl Team {
             map,
             world,
             failed: Vec::new(),
+            trapped: Vec::new(),
         }
     }
 
@@ -136,7 +140,10 @@ impl Team {
                         ranges: &ranges,
                     }),
                 };
-                let command = guard.steer(&self.map, &view).command;
+                let mut command = guard.steer(&self.map, &view).command;
+                if self.trapped.contains(&me) {
+                    command = Twist2::new(0.5, 1.0);
+                }
                 commands.push((!self.failed.contains(&me)).then_some(command));
             }
             intentions.clear();
@@ -153,7 +160,7 @@ impl Team {
     }
 }
 
-const ALL: [Strategy; 9] = [
+const ALL: [Strategy; 10] = [
     Strategy::Random,
     Strategy::ConscientiousReactive,
     Strategy::HeuristicReactive,
@@ -163,6 +170,7 @@ const ALL: [Strategy; 9] = [
     Strategy::TaskAssignment,
     Strategy::Partition,
     Strategy::Cyclic,
+    Strategy::Markov,
 ];
 
 #[test]
@@ -184,5 +192,59 @@ fn every_strategy_visits_all_nodes_again_after_a_robot_has_fallen_silent() {
             let settled = worst_s(&team.drive(&params.graph.nodes, 400.0)).unwrap();
             assert!((20.0..40.0).contains(&settled), "{settled}");
         }
+    }
+}
+
+#[test]
+fn a_robot_that_drives_around_on_one_spot_is_left_out_until_it_gets_on() {
+    let params = params(Strategy::StateExchange);
+    let mut team = Team::new(&params, 3);
+    let counted = |team: &Team| [0, 2].map(|at: usize| team.guards[at].intention().team);
+    team.drive(&params.graph.nodes, 60.0);
+    assert_eq!(counted(&team), [3, 3]);
+    team.trapped = vec![1];
+    team.drive(&params.graph.nodes, 15.0);
+    assert_eq!(counted(&team), [3, 3]);
+    team.drive(&params.graph.nodes, 10.0);
+    assert_eq!(counted(&team), [2, 2]);
+    team.trapped.clear();
+    team.drive(&params.graph.nodes, 10.0);
+    assert_eq!(counted(&team), [3, 3]);
+}
+
+#[test]
+fn an_ally_with_the_key_knows_where_a_robot_on_a_chain_drives_and_when() {
+    let mut params = params(Strategy::Markov);
+    params.markov.key = Some(format!("keyed:{}", "5a".repeat(32)).parse().unwrap());
+    let mut team = Team::new(&params, 2);
+    let nodes = &params.graph.nodes;
+
+    // Each robot of the team has a key of its own.
+    let graph = PatrolGraph::new(&params.graph).unwrap();
+    let chain = Attacks::new(&graph, 120.0, 1.0, core::f64::consts::PI / 5.0)
+        .and_then(|attacks| attacks.chain())
+        .unwrap();
+    let mut heads_for: [Vec<(usize, f64)>; 2] = Default::default();
+    for tick in 0..4000 {
+        team.drive(nodes, TICK.as_secs_f64());
+        for (headed, guard) in heads_for.iter_mut().zip(&team.guards) {
+            let node = guard.intention().node as usize;
+            if headed.last().map(|last| last.0) != Some(node) {
+                headed.push((node, f64::from(tick) * TICK.as_secs_f64()));
+            }
+        }
+    }
+    for (number, headed) in heads_for.iter().enumerate() {
+        let key = params.markov.key.unwrap().of_robot(number as u64);
+        let mut ally = KeyedStream::new(chaotic_maps::Key::secret(Some(key), 0).unwrap());
+        assert!(headed.len() > 60, "{}", headed.len());
+        for pair in headed.windows(2) {
+            assert_eq!(pair[1].0, chain.draw(pair[0].0, &mut ally));
+        }
+        // From the second drive on, each takes no longer than the chain counts, unless robots evade each other.
+        let late = headed[1..]
+            .windows(2)
+            .filter(|pair| pair[1].1 - pair[0].1 > 5.7);
+        assert!(late.count() * 10 < headed.len());
     }
 }

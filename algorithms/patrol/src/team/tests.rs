@@ -1,4 +1,5 @@
 use geometry::pose::{Pose2, Twist2};
+use nalgebra::Point2;
 use proptest::prelude::*;
 use robot::team::Role;
 
@@ -262,7 +263,7 @@ proptest! {
         let mut team = robots.team(Start::Spread);
         team.members = clocks
             .iter()
-            .map(|&clock_s| Member { clock_s, takes_part: true, is_away: false, rest: None, stay: None })
+            .map(|&clock_s| Member { clock_s, takes_part: true, is_away: false, stay: Stay::default() })
             .collect();
         team.spread(&robots.awg);
         assert_even(&team, &robots.awg);

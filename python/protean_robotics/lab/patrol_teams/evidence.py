@@ -1,15 +1,21 @@
-"""Our results: missions of teams around contours, and of a team that loses a guard."""
+"""Our results: missions of teams around contours and on a graph, of a team that loses a guard, and of an observer."""
 
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from itertools import pairwise
+from statistics import fmean
 from typing import Any
 
 from ..results import Results, Row
 
-#: Names of the experiments: teams around contours; a guard fails.
-TEAM, FAILURE = EXPERIMENTS = ("patrol_team", "patrol_failure")
+#: Names of the experiments: teams around contours; a guard fails; strategies on a graph; an observer of one robot.
+TEAM, FAILURE, STRATEGIES, PREDICTABILITY = EXPERIMENTS = (
+    "patrol_team",
+    "patrol_failure",
+    "patrol_strategies",
+    "patrol_predictability",
+)
 #: Time of a lap in both experiments (s).
 LAP_S = 120.0
 
@@ -28,12 +34,15 @@ class Cell:
         Number of guards.
     rows
         Its missions that did not fail, by seed.
+    strategy
+        Name of the strategy; empty without this parameter.
     """
 
     case: str
     contour: str
     guards: int
     rows: Mapping[int, Row]
+    strategy: str = ""
 
     def worst(self) -> list[float]:
         """Longest time without a visit of a place, of each mission with one (s)."""
@@ -42,6 +51,19 @@ class Cell:
     def mean(self) -> list[float]:
         """Mean time since the last visit of a place, of each mission with one (s)."""
         return self._values("mean_idleness_s")
+
+    def interval(self) -> list[float]:
+        """Mean time between two visits of a node, of each mission with one (s)."""
+        return self._values("mean_interval_s")
+
+    def errors(self) -> dict[float, float]:
+        """Mean error (m) of the observer's best method, by horizon (s)."""
+        found: dict[float, dict[str, list[float]]] = {}
+        for row in self.rows.values():
+            for entry in row["predictions"]:
+                methods = found.setdefault(entry["horizon_s"], {})
+                methods.setdefault(entry["method"], []).append(entry["mean_m"])
+        return {horizon: min(map(fmean, methods.values())) for horizon, methods in found.items()}
 
     def nearest(self) -> list[float]:
         """Least distance of two guards along the contour, of each mission with one (m)."""
@@ -85,7 +107,8 @@ class Study:
         for number, cell in enumerate(results.cells):
             values = dict(zip(results.parameters, cell.values, strict=True))
             found = results.finished(number)
-            cells.append(Cell(cell.case, values.get("contour", ""), values.get("guards", 4), found))
+            contour, strategy = (values.get(name, "") for name in ("contour", "strategy"))
+            cells.append(Cell(cell.case, contour, values.get("guards", 4), found, strategy))
         levels = results.experiment.get("parameters", {}).get("contour", {}).get("levels", {})
         lengths = {name: _length(level) for name, level in levels.items()}
         return Study(results.program, results.seeds, cells, lengths)

@@ -6,8 +6,8 @@ from .. import words
 from ..claim import Claim
 from ..figures import Chart, Point, Series
 from ..page import Page, fill
-from .claims import claims
-from .evidence import EXPERIMENTS, FAILURE, TEAM, Cell, Evidence, Study
+from .claims import PUBLISHED, claims
+from .evidence import EXPERIMENTS, FAILURE, PREDICTABILITY, STRATEGIES, TEAM, Cell, Evidence, Study
 
 #: Names of the cases of the experiment in which a guard fails.
 _CASES = {
@@ -15,6 +15,14 @@ _CASES = {
     "convoy": "each from the first waypoint",
     "failure": "spread, one stands between walls",
     "trapped": "spread, one drives around between walls",
+}
+#: Names of the cases with an observer.
+_PATROLS = {
+    "zigzag": "keyed zig-zag along the contour",
+    "cyclic": "cyclic, from corner to corner",
+    "reactive": "conscientious reactive among all corners",
+    "random": "random walk among all corners",
+    "markov": "Markov chain among all corners, keyed",
 }
 
 
@@ -28,9 +36,16 @@ def build(evidence: Evidence) -> Page:
         images.append(_chart(team))
     if failure is not None:
         values[FAILURE] = "".join(map(_failure, failure.cells))
+    if (observed := evidence.studies.get(PREDICTABILITY)) is not None:
+        values[PREDICTABILITY] = "".join(map(_observed, observed.cells))
+        images.append(_errors(observed))
+    found = claims(evidence)
+    strategies = [claim for claim in found if claim.key.startswith("strategy.")]
+    if STRATEGIES in evidence.studies:
+        values[STRATEGIES] = "".join(map(_strategy, strategies))
     for name, study in evidence.studies.items():
         provenance += words.provenance(name, study.seeds, study.program)
-    verdicts = "".join(map(_verdict, claims(evidence)))
+    verdicts = "".join(_verdict(claim) for claim in found if claim not in strategies)
     return Page(fill("patrol-teams.md", values | {"verdicts": verdicts, "provenance": provenance}), images)
 
 
@@ -68,6 +83,18 @@ def _failure(cell: Cell) -> str:
     return _row(_CASES[cell.case], _mean(cell.mean(), 1), _least(cell.worst(), 1), _most(cell.worst(), 1), _most(laps, 2))
 
 
+def _strategy(claim: Claim) -> str:
+    name = claim.key.removeprefix("strategy.")
+    known_as, runs = PUBLISHED[name]
+    theirs = ", ".join(words.decimals(run, 1) for run in runs)
+    return _row(f"`{name}`", known_as, theirs, claim.ours.text, claim.ours.interval_text, claim.verdict.markdown)
+
+
+def _observed(cell: Cell) -> str:
+    errors = (words.decimals(error, 2) for _, error in sorted(cell.errors().items()))
+    return _row(_PATROLS[cell.case], *errors, _mean(cell.mean(), 1), _most(cell.worst(), 1))
+
+
 def _verdict(claim: Claim) -> str:
     return _row(claim.text, claim.published.text, claim.ours.text, str(claim.ours.n), claim.verdict.markdown)
 
@@ -80,3 +107,12 @@ def _chart(study: Study) -> Chart:
         points = [Point(float(cell.guards), max(cell.worst()) / cell.share_s) for cell in cells]
         curves.append(Series(contour, points))
     return Chart("patrol-teams-idleness", "guards", "worst idleness by (lap / guards)", curves, share=False)
+
+
+def _errors(study: Study) -> Chart:
+    """Errors of the observer by the time by which it predicts ahead."""
+    curves = []
+    for cell in study.cells:
+        points = [Point(horizon, error) for horizon, error in sorted(cell.errors().items())]
+        curves.append(Series(_PATROLS[cell.case], points))
+    return Chart("patrol-teams-predictability", "time ahead [s]", "error of the best method [m]", curves, share=False)
