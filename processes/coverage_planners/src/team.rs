@@ -110,3 +110,72 @@ impl Member {
         stay.1 >= time_s || (took_part && is_moving && time_s - stay.1 < LINGERED_S.max(least_s))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use geometry::pose::Twist2;
+    use robot::team::Role;
+
+    use super::*;
+
+    /// A robot that is seen at a place, at a speed limit of 0.5 m/s.
+    fn seen(x: f64, theta: f64) -> RobotView {
+        RobotView {
+            index: 0,
+            team: Role::Neutral.into(),
+            active: true,
+            present: true,
+            pose: Pose2::new(x, 0.0, theta),
+            twist: Twist2::STOP,
+            radius: 0.1,
+            v_max: 0.5,
+        }
+    }
+
+    /// The times (s) at which a robot that is at `pose(time)` begins to take part and ceases to.
+    fn changes(pose: impl Fn(f64) -> Option<RobotView>) -> Vec<(f64, bool)> {
+        let start = nalgebra::Point2::origin();
+        let mut member = Member {
+            robot: 0,
+            place: Place { start, here: start },
+            takes_part: true,
+            stays: None,
+        };
+        let mut found = Vec::new();
+        for step in 0..200 {
+            let time_s = 0.5 * f64::from(step);
+            let took_part = member.takes_part;
+            member.takes_part = member.follow(pose(time_s).as_ref(), took_part, time_s);
+            if member.takes_part != took_part {
+                found.push((time_s, member.takes_part));
+            }
+        }
+        found
+    }
+
+    #[test]
+    fn a_robot_that_stands_or_stays_on_one_spot_has_no_part_until_it_drives_on() {
+        let drives = |t: f64| Some(seen(0.2 * t, 0.0));
+        assert_eq!(changes(drives), []);
+        let stands = |t: f64| Some(seen(0.2 * t.min(20.0) + 0.2 * (t - 50.0).max(0.0), 0.0));
+        assert_eq!(changes(stands), [(20.0 + STOOD_S, false), (52.5, true)]);
+        // Turning is a motion, but does not lead anywhere.
+        let spins = |t: f64| Some(seen(0.0, t));
+        assert_eq!(changes(spins), [(LINGERED_S, false)]);
+        let circles = |t: f64| Some(seen(0.3 * geometry::math::sincos(t).0, 0.0));
+        assert_eq!(changes(circles).len(), 1);
+        let leaves = |t: f64| Some(seen(0.2 * t, 0.0)).filter(|_| !(10.0..20.0).contains(&t));
+        assert_eq!(changes(leaves), [(10.0, false), (20.0, true)]);
+    }
+
+    #[test]
+    fn slow_robots_have_time_to_leave_a_spot() {
+        let slow = |t: f64| {
+            Some(RobotView {
+                v_max: 0.01,
+                ..seen(0.005 * t, 0.0)
+            })
+        };
+        assert_eq!(changes(slow), []);
+    }
+}
