@@ -13,7 +13,7 @@ struct Case {
     seeds: &'static [&'static str],
 }
 
-const CASES: [Case; 29] = [
+const CASES: [Case; 30] = [
     Case {
         scenario: "chase",
         set: &["rules.time_limit=5"],
@@ -145,6 +145,16 @@ const CASES: [Case; 29] = [
     Case {
         scenario: "coverage_open",
         set: &["rules.time_limit=30"],
+        seeds: &["1"],
+    },
+    // Three robots, each in its part of the workplace.
+    Case {
+        scenario: "coverage_open",
+        set: &[
+            "rules.time_limit=30",
+            "robots=[{ name = \"sweeper\", team = \"neutral\", count = 3, random_start = {}, limits = { v_max = 1.0 } }]",
+            "processes=[{ name = \"cover\", kind = \"coverage_keyed\", team = \"neutral\" }]",
+        ],
         seeds: &["1"],
     },
     Case {

@@ -158,7 +158,11 @@ mod tests {
         let drives = |t: f64| Some(seen(0.2 * t, 0.0));
         assert_eq!(changes(drives), []);
         let stands = |t: f64| Some(seen(0.2 * t.min(20.0) + 0.2 * (t - 50.0).max(0.0), 0.0));
-        assert_eq!(changes(stands), [(20.0 + STOOD_S, false), (52.5, true)]);
+        let [(lost_s, false), (back_s, true)] = changes(stands)[..] else {
+            panic!("{:?}", changes(stands));
+        };
+        assert!((lost_s - 20.0 - STOOD_S).abs() < 1.0, "{lost_s} s");
+        assert!((50.0..53.0).contains(&back_s), "{back_s} s");
         // Turning is a motion, but does not lead anywhere.
         let spins = |t: f64| Some(seen(0.0, t));
         assert_eq!(changes(spins), [(LINGERED_S, false)]);
@@ -173,7 +177,7 @@ mod tests {
         let slow = |t: f64| {
             Some(RobotView {
                 v_max: 0.01,
-                ..seen(0.005 * t, 0.0)
+                ..seen(0.006 * t, 0.0)
             })
         };
         assert_eq!(changes(slow), []);
