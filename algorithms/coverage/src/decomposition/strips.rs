@@ -6,6 +6,9 @@ use nalgebra::Point2;
 use super::{Decomposition, DecompositionError, area};
 use crate::workplace::Workplace;
 
+/// Number of halvings that find a line to the last digit.
+const HALVINGS: usize = 60;
+
 /// A robot of a team that divides a workplace.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Place {
@@ -51,27 +54,32 @@ impl Decomposition {
         let part = order.iter().position(|&(number, _)| number == own);
         let part = part.unwrap_or(0);
         let share = rectangles.iter().map(area).sum::<f64>() / order.len() as f64;
-        let cuts = (1..order.len()).map(|number| cut(&rectangles, axis, share * number as f64));
+        let cuts = (1..order.len()).map(|number| {
+            cut(
+                &rectangles,
+                axis,
+                [low[axis], high[axis]],
+                share * number as f64,
+            )
+        });
         let cuts: Vec<f64> = cuts.collect();
         Ok((Self::in_strips(workplace, axis, &cuts, part)?, part))
     }
 }
 
-/// The line across an axis (m) below which rectangles have this area (m²), between 0 and that of all.
-fn cut(rectangles: &[Aabb], axis: usize, share: f64) -> f64 {
-    let below = |line: f64| -> f64 {
+/// The line across an axis (m), within these limits, below which rectangles have this area (m²).
+fn cut(rectangles: &[Aabb], axis: usize, [mut low, mut high]: [f64; 2], share: f64) -> f64 {
+    for _ in 0..HALVINGS {
+        let line = 0.5 * (low + high);
         let parts = rectangles.iter().map(|r| {
             let length = line.clamp(r.min[axis], r.max[axis]) - r.min[axis];
             length * (r.max - r.min)[1 - axis]
         });
-        parts.sum()
-    };
-    // It grows linearly from one side of a rectangle to the next.
-    let sides = rectangles.iter().flat_map(|r| [r.min[axis], r.max[axis]]);
-    let mut sides: Vec<f64> = sides.collect();
-    sides.sort_by(f64::total_cmp);
-    let next = sides.partition_point(|&side| below(side) < share);
-    let (from, to) = (sides[next.max(1) - 1], sides[next.min(sides.len() - 1)]);
-    let rest = (share - below(from)) / (below(to) - below(from)).max(f64::MIN_POSITIVE);
-    from + (to - from) * rest.clamp(0.0, 1.0)
+        if parts.sum::<f64>() < share {
+            low = line;
+        } else {
+            high = line;
+        }
+    }
+    high
 }
