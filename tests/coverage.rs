@@ -1,9 +1,13 @@
 //! Coverage with real processes: sub-goals as planned, robots in free space, area recomputed from the log.
 
-use crate::support::Sandbox;
+use crate::support::call::PATIENCE;
 use crate::support::geometry::{Walls, between, to_segment};
+use crate::support::history::History;
+use crate::support::sandbox::signal;
 use crate::support::ways::Drive;
+use crate::support::{Sandbox, wait_for_tick};
 use plan::routes::coverage::{Extent, plan};
+use rustix::process::Signal;
 use serde_json::Value as Json;
 
 /// Side of the cells in which area is counted (m): the maps' own.
@@ -229,4 +233,95 @@ shape.rectangle = { center = [5.0, 8.2], half_extents = [0.8, 0.5] }
     assert_eq!(crossed(801, drive.history.states.len()), 0);
     let later = drive.history.waypoints.iter().filter(|end| end.tick > 900);
     assert!(later.clone().count() >= 10 && later.clone().all(|end| end.outcome == "reached"));
+}
+
+/// The arguments that put this many robots with a planner of a kind into the empty workplace.
+fn team(count: usize, planner: &str) -> [String; 2] {
+    let robots = format!(
+        "robots=[{{ name = \"sweeper\", team = \"neutral\", count = {count}, random_start = {{}}, radius = 0.1, \
+         limits = {{ v_max = 1.0, omega_max = 5.0 }}, scan = {{ beams = 36, \
+         angle_increment = 0.17453292519943295, range_min = 0.0, range_max = 1.0, noise = 0.0 }} }}]"
+    );
+    let cover = "name = \"cover\", team = \"neutral\", on_failure = \"continue\"";
+    [robots, format!("processes=[{{ {cover}, {planner} }}]")]
+}
+
+#[test]
+fn a_team_covers_as_much_as_its_robots_would_alone_in_parts_of_the_workplace() {
+    let sandbox = Sandbox::new();
+    let covered = |count: usize, planner: &str, time_s: u32| {
+        let call = sandbox.protean(["run", "coverage_open", "--quiet", "--in-process"]);
+        let sets = team(count, planner);
+        let call = sets.iter().fold(call, |call, set| call.set(set));
+        let summary = call.set(&format!("rules.time_limit={time_s}")).json();
+        number(&summary["coverage"], "coverable_fraction")
+    };
+    for kind in ["coverage_keyed", "coverage_boustrophedon"] {
+        let planner = format!("kind = \"{kind}\"");
+        let (one, three) = (covered(1, &planner, 120), covered(3, &planner, 120));
+        assert!(one > 0.1 && three > 2.4 * one, "{kind}: {one}, {three}");
+    }
+    let apart = "kind = \"coverage_keyed\", params = { follow = { divide = false } }";
+    let divided = covered(3, "kind = \"coverage_keyed\"", 240);
+    let undivided = covered(3, apart, 240);
+    assert!(divided > undivided + 0.03, "{divided}, {undivided}");
+}
+
+#[test]
+fn the_others_take_over_the_part_of_a_robot_whose_process_is_killed() {
+    const FAILED: usize = 1;
+    let sandbox = Sandbox::new();
+    let call = sandbox.protean([
+        "run",
+        "coverage_open",
+        "--json",
+        "--quiet",
+        "--out",
+        "run.mcap",
+    ]);
+    let sets = team(3, "kind = \"coverage_keyed\"");
+    let call = sets.iter().fold(call, |call, set| call.set(set));
+    let running = call.set("rules.time_limit=400").set(PATIENCE).start();
+    let run = sandbox.next_run(&std::collections::BTreeSet::new());
+    wait_for_tick(&run, 1000);
+    signal(sandbox.process("cover_sweeper_2").pid, Signal::KILL);
+    let outcome = running.finish();
+    assert_eq!(outcome.code, Some(3), "{outcome}");
+    let history = History::read(&sandbox.path().join("run.mcap"));
+    let summary = outcome.json();
+    let left = summary["processes"][0]["outages"][0]["left_tick"]
+        .as_u64()
+        .unwrap() as usize;
+    assert!(left < 4000, "killed at tick {left}");
+
+    // The parts are columns of the square; shares of their cells of 0.2 m.
+    let swept = |from: usize, robot: usize| {
+        let mut shares = [0.0; 3];
+        let mut seen = std::collections::BTreeSet::new();
+        for state in &history.states[from..] {
+            let robot = &state.robots[robot];
+            let cell = [robot.x, robot.y].map(|p| (p / 0.2) as usize);
+            if seen.insert(cell) {
+                shares[((robot.x * 0.3) as usize).min(2)] += 3.0 / 2500.0;
+            }
+        }
+        shares
+    };
+    let before: [f64; 3] = {
+        let until = &history.states[400..left];
+        let mut counts = [0.0; 3];
+        for state in until {
+            counts[((state.robots[FAILED].x * 0.3) as usize).min(2)] += 1.0 / until.len() as f64;
+        }
+        counts
+    };
+    let part = (0..3).find(|&part| before[part] > 0.9).expect("one part");
+    let later = [0, 2].map(|robot| swept(left + 400, robot)[part]);
+    assert!(later.iter().sum::<f64>() > 0.4, "{later:?} of part {part}");
+    let sooner = [0, 2].map(|robot| {
+        let states = history.states[400..left].iter();
+        let inside = |x: f64| x * 0.3 > part as f64 + 0.1 && x * 0.3 < part as f64 + 0.9;
+        states.filter(|state| inside(state.robots[robot].x)).count()
+    });
+    assert_eq!(sooner, [0, 0]);
 }

@@ -161,6 +161,16 @@ const CASES: [Case; 30] = [
         set: &["rules.time_limit=30"],
         seeds: &["1"],
     },
+    // Three robots, each in its part of the workplace.
+    Case {
+        scenario: "coverage_open",
+        set: &[
+            "rules.time_limit=30",
+            "robots=[{ name = \"sweeper\", team = \"neutral\", count = 3, random_start = {}, limits = { v_max = 1.0 } }]",
+            "processes=[{ name = \"cover\", kind = \"coverage_keyed\", team = \"neutral\" }]",
+        ],
+        seeds: &["1"],
+    },
     Case {
         scenario: "coverage_case1",
         set: &["rules.time_limit=30"],

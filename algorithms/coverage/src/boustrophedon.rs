@@ -37,7 +37,8 @@ pub enum BoustrophedonError {
 }
 
 /// Lanes at most two radii apart, along the longer side of each rectangle of the decomposition,
-/// rectangle by rectangle in the order of a depth-first walk. It ends when all are driven.
+/// rectangle by rectangle in the order of a depth-first walk. It ends when all are driven; in a divided
+/// workplace it begins anew, so that a robot of a team that stands has failed.
 #[derive(Debug, Clone)]
 pub struct Boustrophedon {
     space: Space,
@@ -106,8 +107,12 @@ impl Boustrophedon {
                     .map(|(other, _)| other)
                     .collect();
                 next.reverse();
+                let decomposition = self.space.decomposition();
+                next.sort_by_key(|&other| decomposition.is_own(other));
                 self.open.extend(next);
-                return Some(rectangle);
+                if decomposition.is_own(rectangle) {
+                    return Some(rectangle);
+                }
             }
         }
         None
@@ -137,13 +142,19 @@ impl GoalSource for Boustrophedon {
         if !(from.x.is_finite() && from.y.is_finite()) {
             return None;
         }
-        if !self.space.contains(from) {
+        if !self.space.reaches(from) {
             let to = self.space.nearest(from);
             return Some(self.counter.goal(WaypointKind::Transit, to, None));
         }
         if self.path.is_empty() {
             let home = self.space.member_at(from);
-            let rectangle = self.next_rectangle()?;
+            let mut next = self.next_rectangle();
+            if next.is_none() && self.space.decomposition().is_divided() {
+                (self.open, self.seen) = (vec![home], BTreeSet::new());
+                self.counter.begin_round();
+                next = self.next_rectangle();
+            }
+            let rectangle = next?;
             self.plan(from, home, rectangle);
         }
         let &(to, within, kind) = self.path.front()?;

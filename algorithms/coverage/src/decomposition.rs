@@ -12,10 +12,15 @@
 mod bridge;
 mod cells;
 mod merge;
+mod strips;
 #[cfg(test)]
 mod tests;
 
 pub use bridge::{Bridge, BridgeError};
+pub use strips::Place;
+
+use core::ops::Range;
+use std::collections::VecDeque;
 
 use geometry::shape::Aabb;
 use nalgebra::Point2;
@@ -66,6 +71,8 @@ pub struct Decomposition {
     /// Per rectangle, its component.
     components: Vec<usize>,
     component_count: usize,
+    /// The rectangles to cover.
+    own: Range<usize>,
 }
 
 impl Decomposition {
@@ -75,8 +82,25 @@ impl Decomposition {
     /// # Errors
     /// [`DecompositionError`] if there is no free space or the borders are too many.
     pub fn new(workplace: &Workplace) -> Result<Self, DecompositionError> {
-        let cells = Cells::new(workplace)?;
-        let (rectangles, owners) = merge::merge(&cells);
+        Self::in_strips(workplace, 0, &[], 0)
+    }
+
+    /// The same with no rectangle across the lines at `cuts` (m) across an axis; only the strip number
+    /// `own` between them is to be covered.
+    fn in_strips(
+        workplace: &Workplace,
+        axis: usize,
+        cuts: &[f64],
+        own: usize,
+    ) -> Result<Self, DecompositionError> {
+        let cells = Cells::new(workplace, axis, cuts)?;
+        let (mut rectangles, mut owners) = (Vec::new(), vec![merge::UNOWNED; cells.count()]);
+        let mut firsts = Vec::new();
+        for strip in 0..=cuts.len() {
+            firsts.push(rectangles.len());
+            merge::merge(&cells, strip, &mut rectangles, &mut owners);
+        }
+        firsts.push(rectangles.len());
         if rectangles.is_empty() {
             return Err(DecompositionError::NoFreeSpace {
                 radius: workplace.radius(),
@@ -91,6 +115,7 @@ impl Decomposition {
             neighbours,
             components,
             component_count,
+            own: firsts[own]..firsts[own + 1],
         })
     }
 
@@ -135,6 +160,17 @@ impl Decomposition {
     /// The rectangles (m); disjoint except for their borders. At least one.
     pub fn rectangles(&self) -> &[Aabb] {
         &self.rectangles
+    }
+
+    /// Returns `true` if a rectangle is to be covered: all are, unless the workplace is
+    /// [divided](Self::divided).
+    pub fn is_own(&self, rectangle: usize) -> bool {
+        self.own.contains(&rectangle)
+    }
+
+    /// Returns `true` if others cover some of the rectangles.
+    pub fn is_divided(&self) -> bool {
+        self.own.len() < self.rectangles.len()
     }
 
     /// The bridges, in the order of the rectangles that they join; added ones last.
@@ -185,6 +221,36 @@ impl Decomposition {
         members
             .filter(move |&(_, &c)| c == component)
             .map(|(rectangle, _)| rectangle)
+    }
+
+    /// The rectangles on a path of fewest borders from one rectangle to another, both included;
+    /// only the last one if there is no path.
+    pub fn path(&self, from: usize, to: usize) -> Vec<usize> {
+        // The next rectangle towards `to`, by a search from there.
+        let mut next = vec![usize::MAX; self.rectangles.len()];
+        let mut open = VecDeque::from([to]);
+        if let Some(own) = next.get_mut(to) {
+            *own = to;
+        }
+        while let Some(rectangle) = open.pop_front() {
+            for (other, _) in self.neighbours(rectangle) {
+                if let Some(unset) = next.get_mut(other).filter(|n| **n == usize::MAX) {
+                    *unset = rectangle;
+                    open.push_back(other);
+                }
+            }
+        }
+        let mut path = vec![];
+        let mut at = from;
+        while let Some(&following) = next.get(at)
+            && following != usize::MAX
+            && at != to
+        {
+            path.push(at);
+            at = following;
+        }
+        path.push(to);
+        path
     }
 
     /// The free space that cannot be reached from a rectangle.

@@ -108,7 +108,7 @@ impl<S: chaotic_maps::Source> CoveragePlan<S> {
             return Err(PlanError::NoWait);
         }
         let tour = Tour::new(&decomposition, first, &spec.route, &spec.iterations)?;
-        let iterations = tour.stops().first().map_or(0, |stop| stop.iterations);
+        let iterations = tour.stop(0).map_or(0, |stop| stop.iterations);
         Ok(Self {
             decomposition,
             tour,
@@ -167,7 +167,7 @@ impl<S: chaotic_maps::Source> CoveragePlan<S> {
     /// The next sub-goal; `None` after the last loop.
     pub fn step(&mut self) -> Option<Goal> {
         loop {
-            let here = self.tour.stops().get(self.stop).copied()?;
+            let here = self.tour.stop(self.stop)?;
             let rectangle = self.rectangle(here)?;
             match self.phase {
                 Phase::Done => return None,
@@ -199,7 +199,7 @@ impl<S: chaotic_maps::Source> CoveragePlan<S> {
                 Phase::Cross(goals, crossed) => {
                     let bridge = self.bridge(here)?;
                     let next = self.next_stop();
-                    let there = self.tour.stops().get(next).copied()?;
+                    let there = self.tour.stop(next)?;
                     let other = self.rectangle(there)?;
                     let waits = match self.transit {
                         Transit::Wait { cap } if crossed < cap => true,
@@ -230,7 +230,7 @@ impl<S: chaotic_maps::Source> CoveragePlan<S> {
     /// The phase after a stop has had its sub-goals.
     fn depart(&mut self, here: Stop) -> Phase {
         let next = self.next_stop();
-        match self.tour.stops().get(next).copied() {
+        match self.tour.stop(next) {
             // The only rectangle, or one that occurs twice in a row on the route.
             Some(there) if there.rectangle == here.rectangle => {
                 self.arrive(next, there);
@@ -245,9 +245,10 @@ impl<S: chaotic_maps::Source> CoveragePlan<S> {
     }
 
     fn arrive(&mut self, next: usize, there: Stop) {
+        let is_end = next <= self.stop;
         self.stop = next;
         self.phase = Phase::Cover(there.iterations);
-        if next == 0 {
+        if is_end {
             // Endless loops may exceed the range of the counter.
             self.lap = self.lap.saturating_add(1);
             if self.lap == self.loops {
@@ -257,7 +258,7 @@ impl<S: chaotic_maps::Source> CoveragePlan<S> {
     }
 
     fn next_stop(&self) -> usize {
-        (self.stop + 1) % self.tour.stops().len()
+        self.tour.after(self.stop)
     }
 
     fn rectangle(&self, stop: Stop) -> Option<Aabb> {
@@ -266,7 +267,7 @@ impl<S: chaotic_maps::Source> CoveragePlan<S> {
 
     /// The bridge from a stop to the one after the current one.
     fn bridge(&self, here: Stop) -> Option<Aabb> {
-        let there = self.tour.stops().get(self.next_stop())?;
+        let there = self.tour.stop(self.next_stop())?;
         let bridge = self.decomposition.bridge(here.rectangle, there.rectangle)?;
         Some(bridge.rectangle)
     }

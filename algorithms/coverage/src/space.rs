@@ -3,8 +3,6 @@
 #[cfg(test)]
 mod tests;
 
-use std::collections::VecDeque;
-
 use geometry::shape::Aabb;
 use nalgebra::{Point2, Vector2};
 
@@ -17,11 +15,12 @@ const TOUCH: f64 = 1e-9;
 /// Distance from an obstacle at which a leg that would hit it ends (m).
 const STAND_OFF: f64 = 1e-6;
 
-/// The component of a workplace's free space that contains the start.
+/// The component of a workplace's free space that contains the start, and the part of it to cover.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Space {
     decomposition: Decomposition,
     inflated: Vec<Aabb>,
+    reachable: Vec<usize>,
     members: Vec<usize>,
     bounds: Aabb,
 }
@@ -32,7 +31,9 @@ impl Space {
     pub fn new(workplace: &Workplace, decomposition: &Decomposition, start: Point2<f64>) -> Self {
         let home = decomposition.nearest_rectangle(start).map_or(0, |(r, _)| r);
         let component = decomposition.component_of(home).unwrap_or(0);
-        let members: Vec<usize> = decomposition.component(component).collect();
+        let reachable: Vec<usize> = decomposition.component(component).collect();
+        let mut members = reachable.clone();
+        members.retain(|&r| decomposition.is_own(r));
         let rectangles = members
             .iter()
             .filter_map(|&r| decomposition.rectangles().get(r));
@@ -46,6 +47,7 @@ impl Space {
         Self {
             decomposition: decomposition.clone(),
             inflated: workplace.inflated().to_vec(),
+            reachable,
             members,
             bounds,
         }
@@ -56,33 +58,46 @@ impl Space {
         &self.decomposition
     }
 
-    /// Indices of the reachable rectangles in the decomposition.
+    /// Indices of the reachable rectangles to cover in the decomposition.
     pub fn members(&self) -> &[usize] {
         &self.members
     }
 
-    /// The reachable rectangles (m).
+    /// The reachable rectangles to cover (m).
     pub fn rectangles(&self) -> impl Iterator<Item = &Aabb> {
-        let all = self.decomposition.rectangles();
-        self.members.iter().filter_map(|&r| all.get(r))
+        self.with_indices(&self.members).map(|(_, r)| r)
     }
 
-    /// The smallest rectangle around the reachable space (m).
+    fn with_indices<'a>(&'a self, list: &'a [usize]) -> impl Iterator<Item = (usize, &'a Aabb)> {
+        let all = self.decomposition.rectangles();
+        list.iter().filter_map(|&r| Some((r, all.get(r)?)))
+    }
+
+    /// The smallest rectangle around the space to cover (m).
     pub fn bounds(&self) -> &Aabb {
         &self.bounds
     }
 
-    /// Returns `true` if a point (m) is free and reachable.
+    /// Returns `true` if a point (m) is free, reachable and to be covered.
     pub fn contains(&self, p: Point2<f64>) -> bool {
         self.rectangles().any(|r| r.contains(p))
     }
 
+    /// Returns `true` if a point (m) is free and reachable.
+    pub fn reaches(&self, p: Point2<f64>) -> bool {
+        self.with_indices(&self.reachable)
+            .any(|(_, r)| r.contains(p))
+    }
+
     /// The reachable point nearest to `p` (m); `p` itself if it is reachable.
     pub fn nearest(&self, p: Point2<f64>) -> Point2<f64> {
-        let clamped = self.rectangles().map(|r| clamp(r, p));
-        clamped
-            .min_by(|a, b| (a - p).norm_squared().total_cmp(&(b - p).norm_squared()))
-            .unwrap_or(p)
+        let reachable = self.with_indices(&self.reachable).map(|(_, r)| r);
+        nearest(reachable, p)
+    }
+
+    /// The point to cover nearest to `p` (m).
+    pub fn nearest_to_cover(&self, p: Point2<f64>) -> Point2<f64> {
+        nearest(self.rectangles(), p)
     }
 
     /// The end of the free part of the straight leg from a free point to another (m): `to` without
@@ -125,45 +140,11 @@ impl Space {
 
     /// The reachable rectangle that contains a point (m); for a point outside, the nearest one.
     pub fn member_at(&self, p: Point2<f64>) -> usize {
-        let all = self.decomposition.rectangles();
-        let distances = self
-            .members
-            .iter()
-            .filter_map(|&r| Some((r, all.get(r)?.distance(p))));
-        distances
+        let reachable = self.with_indices(&self.reachable);
+        reachable
+            .map(|(index, r)| (index, r.distance(p)))
             .min_by(|a, b| a.1.total_cmp(&b.1))
             .map_or(0, |(r, _)| r)
-    }
-
-    /// The rectangles on a path of fewest borders from one rectangle to another, both included;
-    /// only the last one if there is no path.
-    pub fn path(&self, from: usize, to: usize) -> Vec<usize> {
-        let count = self.decomposition.rectangles().len();
-        // The next rectangle towards `to`, by a search from there.
-        let mut next = vec![usize::MAX; count];
-        let mut open = VecDeque::from([to]);
-        if let Some(own) = next.get_mut(to) {
-            *own = to;
-        }
-        while let Some(rectangle) = open.pop_front() {
-            for (other, _) in self.decomposition.neighbours(rectangle) {
-                if let Some(unset) = next.get_mut(other).filter(|n| **n == usize::MAX) {
-                    *unset = rectangle;
-                    open.push_back(other);
-                }
-            }
-        }
-        let mut path = vec![];
-        let mut at = from;
-        while let Some(&following) = next.get(at)
-            && following != usize::MAX
-            && at != to
-        {
-            path.push(at);
-            at = following;
-        }
-        path.push(to);
-        path
     }
 
     /// Legs from a point in rectangle `from` to `goal` (m) in rectangle `to`, each within one free
@@ -176,7 +157,7 @@ impl Space {
         goal: Point2<f64>,
         mut unit: impl FnMut() -> f64,
     ) -> Vec<(Point2<f64>, Aabb)> {
-        let path = self.path(from, to);
+        let path = self.decomposition.path(from, to);
         let all = self.decomposition.rectangles();
         let mut legs = Vec::with_capacity(2 * path.len());
         for pair in path.windows(2) {
@@ -196,6 +177,13 @@ impl Space {
         }
         legs
     }
+}
+
+fn nearest<'a>(rectangles: impl Iterator<Item = &'a Aabb>, p: Point2<f64>) -> Point2<f64> {
+    let clamped = rectangles.map(|r| clamp(r, p));
+    clamped
+        .min_by(|a, b| (a - p).norm_squared().total_cmp(&(b - p).norm_squared()))
+        .unwrap_or(p)
 }
 
 /// The point of a rectangle nearest to a point.

@@ -1,5 +1,6 @@
 //! Order of the rectangles in a large loop, and the number of sub-goals of each.
 
+use geometry::shape::Aabb;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -91,11 +92,14 @@ pub struct Stop {
 /// one to the first.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Tour {
+    /// Those on the way to the loop first.
     stops: Vec<Stop>,
+    /// Number of stops before the loop.
+    lead: usize,
 }
 
 impl Tour {
-    /// Creates the tour from the rectangle `start`.
+    /// Creates the tour from the rectangle `start`; the loop is that of the rectangles to cover.
     ///
     /// # Errors
     /// [`TourError`] names the mismatch with the decomposition.
@@ -113,8 +117,11 @@ impl Tour {
                 .ok_or(TourError::NoSuchRectangle { rectangle, last })
         };
         exists(start)?;
+        let home = nearest_own(decomposition, start);
+        let mut lead = decomposition.path(start, home);
+        lead.pop();
         let order = match route {
-            Route::Walk => walk(decomposition, start),
+            Route::Walk => walk(decomposition, home),
             Route::Cycle(cycle) => {
                 cycle.iter().try_for_each(|&rectangle| exists(rectangle))?;
                 let first = cycle.iter().position(|&r| r == start);
@@ -131,28 +138,50 @@ impl Tour {
         }
         let shares = shares(decomposition, &order, iterations)?;
         let mut seen = vec![false; count];
-        let stops: Vec<Stop> = order
-            .into_iter()
-            .map(|rectangle| {
-                let first = seen
-                    .get_mut(rectangle)
-                    .is_some_and(|seen| !core::mem::replace(seen, true));
-                let share = shares.get(rectangle).copied().unwrap_or(0);
-                Stop {
-                    rectangle,
-                    iterations: if first { share } else { 0 },
-                }
-            })
-            .collect();
+        let toured = order.into_iter().map(|rectangle| {
+            let first = seen
+                .get_mut(rectangle)
+                .is_some_and(|seen| !core::mem::replace(seen, true));
+            let share = shares.get(rectangle).copied().unwrap_or(0);
+            Stop {
+                rectangle,
+                iterations: if first && decomposition.is_own(rectangle) {
+                    share
+                } else {
+                    0
+                },
+            }
+        });
+        let led = lead.iter().map(|&rectangle| Stop {
+            rectangle,
+            iterations: 0,
+        });
+        let stops: Vec<Stop> = led.chain(toured).collect();
         if stops.iter().all(|stop| stop.iterations == 0) {
             return Err(TourError::NothingToDo);
         }
-        Ok(Self { stops })
+        let lead = lead.len();
+        Ok(Self { stops, lead })
     }
 
     /// The stops of a loop; at least one.
     pub fn stops(&self) -> &[Stop] {
-        &self.stops
+        &self.stops[self.lead..]
+    }
+
+    /// A stop by its number from the start of the robot.
+    pub(crate) fn stop(&self, number: usize) -> Option<Stop> {
+        self.stops.get(number).copied()
+    }
+
+    /// Number of the stop after another one; not greater than it at the end of a loop.
+    pub(crate) fn after(&self, number: usize) -> usize {
+        let next = number + 1;
+        if next < self.stops.len() {
+            next
+        } else {
+            self.lead
+        }
     }
 
     /// Number of sub-goals of a loop, without transits.
@@ -161,22 +190,45 @@ impl Tour {
     }
 }
 
-/// Depth-first walk over a component, including the return to the start; the start itself is not
-/// repeated.
+/// The rectangle to cover nearest to another one that is joined to it: itself if it is to be covered.
+fn nearest_own(decomposition: &Decomposition, start: usize) -> usize {
+    let component = decomposition.component_of(start).into_iter();
+    let own = component.flat_map(|component| decomposition.component(component));
+    let center = |r: usize| decomposition.rectangles().get(r).map(Aabb::center);
+    let distance = |r: usize| {
+        center(r)
+            .zip(center(start))
+            .map_or(f64::MAX, |(a, b)| (a - b).norm())
+    };
+    own.filter(|&r| decomposition.is_own(r))
+        .min_by(|&a, &b| distance(a).total_cmp(&distance(b)))
+        .unwrap_or(start)
+}
+
+/// Depth-first walk over the rectangles to cover of a component, and those between them, including the
+/// return to the start; the start itself is not repeated.
 fn walk(decomposition: &Decomposition, start: usize) -> Vec<usize> {
     let mut seen = vec![false; decomposition.rectangles().len()];
     let mut order = Vec::new();
-    let mut trunk = vec![start];
-    while let Some(&here) = trunk.last() {
+    // With the number of entries before its own.
+    let mut trunk = vec![(start, 0)];
+    while let Some(&(here, before)) = trunk.last() {
         if let Some(seen) = seen.get_mut(here) {
             *seen = true;
         }
-        order.push(here);
+        if order.last() != Some(&here) {
+            order.push(here);
+        }
         let new = |&(to, _): &(usize, _)| seen.get(to) == Some(&false);
-        match decomposition.neighbours(here).find(new) {
-            Some((to, _)) => trunk.push(to),
+        let joined = decomposition.neighbours(here).filter(new);
+        match joined.min_by_key(|&(to, _)| !decomposition.is_own(to)) {
+            Some((to, _)) => trunk.push((to, order.len())),
             None => {
                 trunk.pop();
+                // One that others cover leads to the rectangles behind it only.
+                if order.len() == before + 1 && !decomposition.is_own(here) {
+                    order.pop();
+                }
             }
         }
     }
@@ -202,7 +254,7 @@ fn shares(
         }
         Iterations::InAll(0) => vec![0; rectangles],
         Iterations::InAll(all) => {
-            let toured = (0..rectangles).filter(|r| order.contains(r));
+            let toured = (0..rectangles).filter(|r| order.contains(r) && decomposition.is_own(*r));
             let area: f64 = toured.map(|r| decomposition.area_of(r)).sum();
             let share = |r| (f64::from(*all) * decomposition.area_of(r) / area).round();
             (0..rectangles).map(|r| share(r).max(1.0) as u32).collect()

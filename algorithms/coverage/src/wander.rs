@@ -70,13 +70,22 @@ impl Wander {
         if !(from.x.is_finite() && from.y.is_finite()) {
             return PositionRule::Nowhere;
         }
-        if !self.space.contains(from) {
-            self.path.clear();
-            let to = self.space.nearest(from);
-            return PositionRule::Outside(self.counter.goal(WaypointKind::Transit, to, None));
+        if let Some(goal) = self.next_leg(from) {
+            return PositionRule::OnTheWay(goal);
         }
-        self.next_leg(from)
-            .map_or(PositionRule::Free, PositionRule::OnTheWay)
+        if self.space.contains(from) {
+            return PositionRule::Free;
+        }
+        if self.space.reaches(from) {
+            // In a part that others cover.
+            let to = self.space.nearest_to_cover(from);
+            let last = self.space.member_at(to);
+            if let Some(goal) = self.set_out(from, last, to) {
+                return PositionRule::OnTheWay(goal);
+            }
+        }
+        let to = self.space.nearest(from);
+        PositionRule::Outside(self.counter.goal(WaypointKind::Transit, to, None))
     }
 
     /// Starts the path through free rectangles to a point of the rectangle `last`; returns its first

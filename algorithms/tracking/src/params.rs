@@ -110,6 +110,10 @@ pub struct FilterParams {
     /// `true` if an unseen hypothesis that would drive into an obstacle turns away from it; `false` if it is
     /// ruled out, as in the paper: then hypotheses that hardly move outlive the others.
     pub turn_at_walls: bool,
+    /// Deviation by which a noisy sighting scatters the hypotheses in x and in y, as a share of its own; 0 for none, as in the
+    /// paper. Without it, hypotheses behind an opponent at full speed never catch up with it: none is faster.
+    #[schemars(transform = between(0, 1))]
+    pub scatter: f64,
     /// Variant of the filter. [`Fidelity::Published`]: walks that stay at the ends of their ranges;
     /// weights N(x)·N(y)/(1 + |Δheading|) of a noisy sighting, equal ones of an exact sighting; and
     /// copies of one particle when no particle is possible.
@@ -128,6 +132,7 @@ impl Default for FilterParams {
             speed_limit: None,
             turn_limit: None,
             turn_at_walls: true,
+            scatter: 0.0,
             fidelity: Fidelity::Ours,
         }
     }
@@ -170,6 +175,7 @@ impl PerceptionParams {
                 speed_limit: Some(0.2),
                 turn_limit: Some(0.5),
                 turn_at_walls: false,
+                scatter: 0.0,
                 fidelity: Fidelity::Published,
             },
         }

@@ -38,7 +38,7 @@ use self::weigh::{SeenLikelihood, UnseenLikelihood};
 use crate::belief::{Belief, Particle, moments};
 pub use crate::motion_limits::MotionLimits;
 use crate::params::FilterParams;
-use crate::sighting::{Measurement, Sighting};
+use crate::sighting::{Measurement, Sighting, gaussian_pair};
 use crate::space::Space;
 use crate::watch::Watch;
 
@@ -200,6 +200,20 @@ impl ParticleFilter {
         }
         if let Some(m) = &sighting.measurement {
             self.snap(m);
+            self.scatter(m);
+        }
+    }
+
+    /// Scatters the particles after a noisy measurement.
+    fn scatter(&mut self, m: &Measurement) {
+        let deviation = self.params.scatter * m.sigma;
+        if m.sigma < SNAP_BELOW || deviation <= 0.0 {
+            return;
+        }
+        for (x, y) in self.particles.x.iter_mut().zip(&mut self.particles.y) {
+            let (dx, dy) = gaussian_pair(&mut self.rng);
+            *x += (deviation * dx) as f32;
+            *y += (deviation * dy) as f32;
         }
     }
 

@@ -204,7 +204,8 @@ fn patrols(scenario: &ResolvedScenario) -> Vec<PatrolInfo> {
             let is_first = team.first() == Some(&robot);
             let kind = process.program.kind().filter(|_| is_first)?;
             let sketch = kind.sketch(world.robots.get(robot)?, &world.map);
-            Some(PatrolInfo {
+            let is_patrol = sketch.graph.is_some() || !sketch.contour.is_empty();
+            is_patrol.then(|| PatrolInfo {
                 robots: team.into_iter().map(|robot| robot as u32).collect(),
                 contour: sketch.contour,
                 graph: sketch.graph,

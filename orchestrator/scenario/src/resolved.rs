@@ -173,7 +173,7 @@ impl ResolvedScenario {
     }
 
     /// Returns the indices of the robots with the task of this one, itself included: of its team, driven by processes of one
-    /// kind around the same contour with the same zones and time limit of a lap, or on the same graph; none for other tasks.
+    /// kind around one contour with the same zones and time limit of a lap, on one graph, or over the same rectangles.
     pub fn companions(&self, robot: usize) -> Vec<usize> {
         let (robots, map) = (&self.world.robots, &self.world.map);
         let task = |robot: usize| {
@@ -181,7 +181,8 @@ impl ResolvedScenario {
             let (kind, spec) = (driver?.program.kind()?, robots.get(robot)?);
             let limit_s = kind.declaration().lap_limit_s;
             let sketch = kind.sketch(spec, map);
-            (limit_s.is_some() || sketch.graph.is_some()).then_some((
+            let is_shared = !sketch.rectangles.is_empty() || sketch.graph.is_some();
+            (limit_s.is_some() || is_shared).then_some((
                 kind.kind().name,
                 &spec.team,
                 limit_s,

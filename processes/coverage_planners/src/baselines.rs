@@ -110,7 +110,7 @@ impl<R: RandomKind> Design for Memoryless<R> {
         if let Some(before) = before {
             return Ok(before.moved(workplace, parts, site.start));
         }
-        let secret = Key::secret(params.key, seed)?;
+        let secret = Key::secret(crate::own_key(params.key, site), seed)?;
         Ok(Wanderer::new(workplace, parts, site.start, secret))
     }
 }

@@ -13,6 +13,7 @@ use coverage::decomposition::{BridgeError, Decomposition};
 use coverage::plan::{CoveragePlan, PlanSpec};
 use coverage::sub_goals::params::FollowParams;
 use coverage::sub_goals::site::Site;
+use coverage::tour::{Iterations, Route};
 use geometry::shape::Aabb;
 use nalgebra::Point2;
 
@@ -53,7 +54,14 @@ impl Design for Chebyshev {
     type Goals = CoveragePlan<AnySource>;
 
     fn follow(params: &ChebyshevParams) -> FollowParams {
-        params.follow
+        let by_number = matches!(params.route, Route::Cycle(_))
+            || matches!(params.iterations, Iterations::By(_))
+            || !params.bridges.is_empty();
+        let divide = params.follow.divide && !by_number;
+        FollowParams {
+            divide,
+            ..params.follow
+        }
     }
 
     fn goals(
@@ -72,8 +80,7 @@ impl Design for Chebyshev {
         let plan = if let Some(before) = before {
             before.moved(decomposition, site.start, &spec)
         } else {
-            let key = params
-                .key
+            let key = crate::own_key(params.key, site)
                 .unwrap_or_else(|| Key::from_seed(params.map, seed));
             let source = key.source()?;
             CoveragePlan::new(decomposition, site.start, &spec, source)

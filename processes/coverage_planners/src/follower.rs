@@ -1,4 +1,4 @@
-//! Process of planners of sub-goals. Inputs: state and map. Outputs: command, plan and the results
+//! Process of planners of sub-goals. Inputs: states and map. Outputs: command, plan and the results
 //! of the sub-goals.
 
 use avoidance::waypoint_driver::{DriverOutput, Situation, WaypointDriver};
@@ -6,6 +6,7 @@ use coverage::goal::{Goal, GoalSource};
 use geometry::map::{MapSpec, WorldMap};
 use geometry::pose::Pose2;
 use geometry::shape::Aabb;
+use ipc_types::bus::Bus;
 use nalgebra::Point2;
 use planner::{Declaration, Input, Output, Planner, PlannerError, limits};
 use planner_view::limits::Limits;
@@ -14,7 +15,7 @@ use planner_view::steering::Steering;
 use planner_view::view::View;
 use planner_view::waypoint::WaypointReport;
 use robot::spec::RobotSpec;
-use runtime::config::RobotInfo;
+use runtime::config::{ProcessConfig, RobotInfo};
 use runtime::error::ProcessError;
 use runtime::kind::{Task, TaskFault, TaskSketch};
 
@@ -25,6 +26,7 @@ use coverage::sub_goals::site::Site;
 use crate::check::check_task;
 use crate::design::Design;
 use crate::error::DesignError;
+use crate::team::Team;
 
 /// Method of driving.
 #[derive(Debug)]
@@ -44,6 +46,7 @@ pub struct Follower<D: Design> {
     goals: Option<D::Goals>,
     /// Revision of the map for which the goals were made.
     revision: Option<u64>,
+    team: Team,
     /// Last goal, at which the next leg begins (m).
     last: Option<Point2<f64>>,
     /// Position of the robot one tick ago (m).
@@ -71,19 +74,28 @@ impl<D: Design> Follower<D> {
         })
     }
 
-    /// Makes goals for a new map.
-    fn lay_out(&mut self, map: &PlannerMap, here: Point2<f64>) {
-        if self.revision == Some(map.revision()) {
+    /// Makes goals for a new map, and for a new part of it.
+    fn lay_out(&mut self, map: &PlannerMap, here: Point2<f64>, is_new_part: bool) {
+        let is_new_map = self.revision != Some(map.revision());
+        if !is_new_map && !is_new_part {
             return;
         }
         let first = self.revision.is_none();
         self.revision = Some(map.revision());
         let made = site(map, self.radius, &self.follow, here).and_then(|site| {
+            let (team, own) = self.team.places();
+            let site = if self.follow.divide && team.len() > 1 {
+                site.divided(&team, own)?
+            } else {
+                site
+            };
             if !first {
                 // The current sub-goal belongs to the old workplace.
                 self.drive = Self::driver(&self.follow, self.limits, self.radius)?;
             }
-            report(&site);
+            if is_new_map {
+                report(&site);
+            }
             D::goals(&self.params, &site, self.seed, self.goals.take())
         });
         match made {
@@ -151,6 +163,7 @@ impl<D: Design> Planner for Follower<D> {
             drive: Self::driver(&follow, limits, radius).map_err(PlannerError::algorithm)?,
             goals: None,
             revision: None,
+            team: Team::default(),
             last: None,
             before: None,
             reports: Vec::new(),
@@ -158,12 +171,17 @@ impl<D: Design> Planner for Follower<D> {
         })
     }
 
+    fn open(&mut self, config: &ProcessConfig, _: &Bus, robot: u32) -> Result<(), ProcessError> {
+        self.team = Team::new(&config.run.robots, robot);
+        Ok(())
+    }
+
     fn failure(&mut self) -> Option<ProcessError> {
         self.failure.take()
     }
 
     fn prepare(&mut self, map: &PlannerMap, robot: &RobotInfo) {
-        self.lay_out(map, robot.start.position());
+        self.lay_out(map, robot.start.position(), false);
     }
 
     fn steer(&mut self, map: &PlannerMap, view: &View<'_>) -> Steering {
@@ -173,7 +191,8 @@ impl<D: Design> Planner for Follower<D> {
         };
         let Pose2 { x, y, .. } = me.pose;
         let here = Point2::new(x, y);
-        self.lay_out(map, here);
+        let is_new_part = self.team.observe(view) && self.follow.divide;
+        self.lay_out(map, here, is_new_part);
         let Some(goals) = &mut self.goals else {
             return Steering::stop();
         };

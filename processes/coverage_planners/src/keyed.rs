@@ -42,7 +42,7 @@ impl Design for KeyedGoals {
         let made = if let Some(before) = before {
             before.moved(workplace, parts, site.start)
         } else {
-            let key = Key::secret(params.key, seed)?;
+            let key = Key::secret(crate::own_key(params.key, site), seed)?;
             // Legs keep the margin; the body covers the area.
             let disc = workplace.radius() - params.follow.margin;
             KeyedCoverage::new(

@@ -11,8 +11,10 @@ pub mod design;
 mod error;
 pub mod follower;
 pub mod keyed;
+mod team;
 
 use chaotic_maps::Key;
+use coverage::sub_goals::site::Site;
 use parameters::ParamsError;
 
 pub use baselines::{
@@ -32,6 +34,11 @@ fn require_secret(key: Option<Key>) -> Result<(), ParamsError> {
         }
         _ => Ok(()),
     }
+}
+
+/// Returns the key of a robot of a team, if its parameters give one.
+fn own_key(key: Option<Key>, site: &Site) -> Option<Key> {
+    key.map(|key| key.of_robot(site.part as u64))
 }
 
 #[cfg(test)]

@@ -104,7 +104,7 @@ pub struct RobotInfo {
     /// Indices of the robots of the teams that are hostile to its own.
     pub opponents: Vec<u32>,
     /// Indices of the robots of its team whose processes give them the same task, itself included, in order; empty
-    /// for a task without a contour.
+    /// for a task without contour, graph and rectangles.
     #[serde(default)]
     pub companions: Vec<u32>,
     /// Its body and limits.

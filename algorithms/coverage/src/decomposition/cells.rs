@@ -14,6 +14,10 @@ pub struct Cells {
     ys: Vec<f64>,
     /// Per cell, row after row.
     free: Vec<bool>,
+    /// Axis across which the lines between strips run.
+    axis: usize,
+    /// Per column (or row) along this axis, its strip.
+    strips: Vec<usize>,
 }
 
 /// A rectangle of cells: columns `x0..=x1`, rows `y0..=y1`.
@@ -33,14 +37,19 @@ impl Block {
 }
 
 impl Cells {
-    /// Creates lines at all sides of the workplace and of the grown obstacles; a cell is free if
-    /// its centre lies in no obstacle.
-    pub fn new(workplace: &Workplace) -> Result<Self, DecompositionError> {
+    /// Creates lines at all sides of the workplace and of the grown obstacles, and at `cuts` (m) across
+    /// an axis, in ascending order; a cell is free if its centre lies in no obstacle.
+    pub fn new(
+        workplace: &Workplace,
+        axis: usize,
+        cuts: &[f64],
+    ) -> Result<Self, DecompositionError> {
         let inner = workplace.inner();
-        let lines = |axis: usize| {
+        let lines = |across: usize| {
             let sides = workplace.inflated().iter();
-            let mut all: Vec<f64> = sides.flat_map(|o| [o.min[axis], o.max[axis]]).collect();
-            all.extend([inner.min[axis], inner.max[axis]]);
+            let mut all: Vec<f64> = sides.flat_map(|o| [o.min[across], o.max[across]]).collect();
+            all.extend([inner.min[across], inner.max[across]]);
+            all.extend(cuts.iter().filter(|_| across == axis));
             all.sort_by(f64::total_cmp);
             // Compared with the last kept line, so that a row of near ones does not collapse into
             // one.
@@ -55,10 +64,15 @@ impl Cells {
                 cells: columns * rows,
             });
         }
+        let along = if axis == 0 { &xs } else { &ys };
+        let strip = |pair: &[f64]| cuts.partition_point(|&cut| cut < 0.5 * (pair[0] + pair[1]));
+        let strips = along.windows(2).map(strip).collect();
         let mut cells = Self {
             xs,
             ys,
             free: vec![true; columns * rows],
+            axis,
+            strips,
         };
         for obstacle in workplace.inflated() {
             cells.block(obstacle);
@@ -92,8 +106,18 @@ impl Cells {
         self.ys.len().saturating_sub(1)
     }
 
-    pub fn free(&self) -> &[bool] {
-        &self.free
+    pub fn count(&self) -> usize {
+        self.free.len()
+    }
+
+    /// Per cell, whether it is a free one of a strip.
+    pub fn free_in(&self, strip: usize) -> Vec<bool> {
+        let columns = self.columns();
+        let is_in = |(cell, &free): (usize, &bool)| {
+            let along = [cell % columns, cell / columns][self.axis];
+            free && self.strips.get(along) == Some(&strip)
+        };
+        self.free.iter().enumerate().map(is_in).collect()
     }
 
     /// Width (m) of columns `first..=last`.

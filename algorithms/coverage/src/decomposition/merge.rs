@@ -6,32 +6,30 @@ use super::cells::{Block, Cells};
 /// Cells that belong to no rectangle.
 pub const UNOWNED: u32 = u32::MAX;
 
-/// Disjoint blocks of all free cells, in the order in which they were taken, and the block of each
-/// cell.
+/// Appends disjoint blocks of all free cells of a strip, in the order in which they were taken, and notes
+/// the block of each cell.
 ///
 /// The remaining space only shrinks. So a corner cell remains one until it is taken, and the
 /// largest rectangle about it remains the largest until one of its cells is taken. Both are
 /// searched again only where the space has changed.
-pub fn merge(cells: &Cells) -> (Vec<Block>, Vec<u32>) {
+pub fn merge(cells: &Cells, strip: usize, blocks: &mut Vec<Block>, owners: &mut [u32]) {
     let mut rest = Rest {
         cells,
-        free: cells.free().to_vec(),
-        left: vec![0; cells.free().len()],
-        right: vec![0; cells.free().len()],
+        free: cells.free_in(strip),
+        left: vec![0; cells.count()],
+        right: vec![0; cells.count()],
     };
     for row in 0..cells.rows() {
         rest.measure(row);
     }
-    let mut owners = vec![UNOWNED; cells.free().len()];
-    let mut blocks = Vec::new();
-    let mut corners: Vec<Corner> = (0..cells.free().len())
+    let mut corners: Vec<Corner> = (0..cells.count())
         .filter(|&cell| rest.is_corner(cell))
         .map(|cell| rest.best(cell))
         .collect();
     while let Some(taken) = corners.iter().copied().reduce(better) {
         let owner = blocks.len() as u32;
         blocks.push(taken.block);
-        rest.take(&taken.block, owner, &mut owners);
+        rest.take(&taken.block, owner, owners);
         corners.retain(|corner| rest.is_free(corner.cell));
         for corner in &mut corners {
             if corner.block.meets(&taken.block) {
@@ -44,7 +42,6 @@ pub fn merge(cells: &Cells) -> (Vec<Block>, Vec<u32>) {
             }
         }
     }
-    (blocks, owners)
 }
 
 /// Extends a run of free cells by the next cell of a row; `beside` is the run before it.

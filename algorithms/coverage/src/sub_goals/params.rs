@@ -32,6 +32,9 @@ pub struct FollowParams {
     /// from its legs.
     #[schemars(transform = at_least(0).unit("m"))]
     pub margin: f64,
+    /// `true` to divide the workplace among the robots of a team that one kind covers with the same
+    /// rectangles; `false`: each covers all of it.
+    pub divide: bool,
     /// Path between sub-goals.
     pub interpolation: Interpolation,
     /// Maximum distance between an arc and its sub-goal.
@@ -48,6 +51,7 @@ impl Default for FollowParams {
         Self {
             tolerance: 0.1,
             margin: 0.05,
+            divide: true,
             interpolation: Interpolation::default(),
             max_miss: 0.1,
             // A robot that turns towards the next sub-goal before it starts does not bulge out of

@@ -1,6 +1,6 @@
 //! The site that a coverage planner plans for.
 
-use crate::decomposition::{Decomposition, DecompositionError};
+use crate::decomposition::{Decomposition, DecompositionError, Place};
 use crate::workplace::{Workplace, WorkplaceError};
 use geometry::shape::{Aabb, Convex};
 use nalgebra::Point2;
@@ -70,6 +70,8 @@ pub struct Site {
     pub decomposition: Decomposition,
     /// Position of the robot (m), or the nearest free place.
     pub start: Point2<f64>,
+    /// Number of the part that the robot covers, from 0; 0 of an undivided workplace.
+    pub part: usize,
 }
 
 impl Site {
@@ -108,6 +110,17 @@ impl Site {
             workplace,
             decomposition,
             start,
+            part: 0,
         })
+    }
+
+    /// The same for one robot of a team, by its number `own` in the team ([`Decomposition::divided`]).
+    ///
+    /// # Errors
+    /// [`SiteError`] if the borders are too many.
+    pub fn divided(mut self, team: &[Place], own: usize) -> Result<Self, SiteError> {
+        let divided = self.decomposition.divided(&self.workplace, team, own);
+        (self.decomposition, self.part) = divided.map_err(SiteError::Decomposition)?;
+        Ok(self)
     }
 }

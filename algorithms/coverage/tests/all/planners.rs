@@ -1,9 +1,11 @@
 //! Planners of sub-goals on random maps.
 
+use chaotic_maps::{Key, KeyKind};
 use coverage::boustrophedon::Boustrophedon;
-use coverage::decomposition::Decomposition;
+use coverage::decomposition::{Decomposition, Place};
 use coverage::goal::GoalSource;
 use coverage::keyed::{KeyedCoverage, KeyedParams};
+use coverage::plan::{CoveragePlan, PlanSpec};
 use coverage::random_bounce::RandomBounce;
 use coverage::uniform::UniformGoals;
 use coverage::workplace::Workplace;
@@ -77,6 +79,63 @@ fn no_planner_touches_an_obstacle() {
         drives_clear(&workplace, &mut bounce, start);
         let mut uniform = UniformGoals::new(&workplace, &parts, start, key);
         drives_clear(&workplace, &mut uniform, start);
+    }
+}
+
+/// Drives through a divided workplace; returns the length in the own part and in those of others (m).
+fn lengths(
+    workplace: &Workplace,
+    parts: &Decomposition,
+    planner: &mut dyn GoalSource,
+    start: Point2<f64>,
+) -> [f64; 2] {
+    drives_clear(workplace, planner, start);
+    let own = |p: Point2<f64>| {
+        let mut all = parts.rectangles().iter().enumerate();
+        all.any(|(r, rectangle)| parts.is_own(r) && rectangle.distance(p) < 1e-6)
+    };
+    let mut lengths = [0.0; 2];
+    let mut from = start;
+    for _ in 0..300 {
+        let to = planner.next_goal(from).unwrap().waypoint.point;
+        lengths[usize::from(!own(from + 0.5 * (to - from)))] += (to - from).norm();
+        from = to;
+    }
+    lengths
+}
+
+#[test]
+fn planners_drive_to_their_part_of_a_team_and_stay_there_but_for_transits() {
+    let mut sums = [[0.0; 2]; 5];
+    for (workplace, parts, start) in scenes(12) {
+        let place = |at: Point2<f64>| Place {
+            start: at,
+            here: start,
+        };
+        let team = [start, Point2::new(0.0, 0.0), Point2::new(10.0, 10.0)].map(place);
+        for own in 0..3 {
+            let (parts, part) = parts.clone().divided(&workplace, &team, own).unwrap();
+            let key = [13; 32];
+            let keyed = KeyedCoverage::new(&workplace, &parts, start, 0.1, key, thrifty());
+            let lanes = Boustrophedon::new(&workplace, &parts, start, 0.1);
+            let source = Key::from_seed(KeyKind::Keyed, 5).source().unwrap();
+            let plan = CoveragePlan::new(parts.clone(), start, &PlanSpec::default(), source);
+            let planners: [Box<dyn GoalSource>; 5] = [
+                Box::new(keyed.unwrap()),
+                Box::new(lanes.unwrap()),
+                Box::new(RandomBounce::new(&workplace, &parts, start, key)),
+                Box::new(UniformGoals::new(&workplace, &parts, start, key)),
+                Box::new(plan.unwrap()),
+            ];
+            for (sum, mut planner) in sums.iter_mut().zip(planners) {
+                let [inside, outside] = lengths(&workplace, &parts, &mut *planner, start);
+                assert!(inside > 10.0, "part {part}: {inside} m");
+                *sum = [sum[0] + inside, sum[1] + outside];
+            }
+        }
+    }
+    for [inside, outside] in sums {
+        assert!(outside < 0.15 * inside, "{sums:?}");
     }
 }
 

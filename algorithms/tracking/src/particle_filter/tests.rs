@@ -139,6 +139,54 @@ fn a_noisily_seen_target_is_tracked_better_than_it_is_measured() {
 /// The target drives behind the block. The belief keeps mass near it, clears the visible space, and
 /// finds it again.
 #[test]
+fn scattered_hypotheses_catch_up_with_an_opponent_at_full_speed() {
+    const SIGMA: f64 = 0.05;
+    let space = Space::new(&room());
+    let watch = watch_from(&space, &[Pose2::new(2.4, 2.7, 0.0)]);
+    // Mean lag over the second half of 2 s (m), and the share of these ticks with the truth within two deviations of it.
+    let lag = |scatter: f64| {
+        let params = FilterParams {
+            scatter,
+            ..FilterParams::default()
+        };
+        let (mut sum, mut within) = (0.0, 0);
+        for seed in 0..20 {
+            let mut truth = Pose2::new(-2.9, 2.7, 0.0);
+            let behind = Pose2::new(-3.05, 2.7, 0.0);
+            let mut filter = ParticleFilter::new(&params, LIMITS, Some(behind), &space, rng(seed));
+            let mut noise = rng(100 + seed);
+            for tick in 0..40 {
+                truth = drive(truth, LIMITS.v_max, 0.0, DT);
+                let (dx, dy) = crate::sighting::gaussian_pair(&mut noise);
+                let seen = Pose2::new(truth.x + SIGMA * dx, truth.y + SIGMA * dy, 0.0);
+                filter.update(&space, &watch, &seen_at(seen, SIGMA), DT);
+                if tick >= 20 {
+                    let belief = filter.belief();
+                    let off = truth.x - belief.mean.x;
+                    sum += off / 400.0;
+                    within += usize::from(off.abs() < 2.0 * belief.covariance_xx.sqrt());
+                }
+            }
+        }
+        (sum, within as f64 / 400.0)
+    };
+    let (lag_without, within_without) = lag(0.0);
+    let (lag_with, within_with) = lag(0.3);
+    assert!(
+        lag_without > 0.015 && within_without < 0.8,
+        "{lag_without} m, {within_without}"
+    );
+    assert!(
+        lag_with < 0.5 * lag_without,
+        "{lag_with} m, {lag_without} m"
+    );
+    assert!(
+        within_with > within_without + 0.1,
+        "{within_with}, {within_without}"
+    );
+}
+
+#[test]
 fn the_belief_keeps_an_occluded_target_and_finds_it_again() {
     let space = Space::new(&room());
     let sensor = SensorParams::default();

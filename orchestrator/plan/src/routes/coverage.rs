@@ -3,6 +3,7 @@
 use ::coverage::goal::{Goal, GoalSource};
 use ::coverage::tour::Tour;
 use ::metrics::coverage::{CELL_SIDES, Figures, Meter, Rate};
+use coverage::decomposition::Place;
 use coverage::sub_goals::FollowParams;
 use coverage::sub_goals::site::Site;
 use coverage_planners::design::Design;
@@ -135,7 +136,18 @@ impl Order<'_> {
         let refused = |reason: &dyn std::fmt::Display| self.router.refused(reason);
         parameters::check(params).map_err(|e| refused(&e))?;
         let follow = D::follow(params);
-        let site = self.site(&follow)?;
+        let mut site = self.site(&follow)?;
+        let own = self.router.process.robots.first().copied().unwrap_or(0);
+        let team = self.scenario.companions(own);
+        if follow.divide && team.len() > 1 {
+            let place = |&robot: &usize| {
+                let start = self.scenario.world.robots.get(robot)?.start.position();
+                Some(Place { start, here: start })
+            };
+            let places: Vec<Place> = team.iter().filter_map(place).collect();
+            let number = team.iter().position(|&robot| robot == own).unwrap_or(0);
+            site = site.divided(&places, number).map_err(|e| refused(&e))?;
+        }
         // Area that the robot's body covers; the margin is for its drive only.
         let bare = FollowParams {
             margin: 0.0,
