@@ -13,7 +13,7 @@ struct Case {
     seeds: &'static [&'static str],
 }
 
-const CASES: [Case; 30] = [
+const CASES: [Case; 32] = [
     Case {
         scenario: "chase",
         set: &["rules.time_limit=5"],

@@ -2,12 +2,12 @@
 //!
 //! Each robot computes the same from the positions of all: its team needs no messages of its own. A robot out of play, or
 //! one that has stood or driven around on one spot as long as a guard that
-//! [counts as failed](patrol::team), has no part until it drives on.
+//! [counts as lost](planner_view::stay), has no part until it drives on.
 
 use coverage::decomposition::Place;
 use geometry::math::angle_difference;
 use geometry::pose::Pose2;
-use patrol::team::{LINGERED_S, STOOD_S};
+use planner_view::stay::{LINGERED_S, STOOD_S};
 use planner_view::view::{RobotView, View};
 use runtime::config::RobotInfo;
 
