@@ -221,15 +221,14 @@ fn walk(decomposition: &Decomposition, start: usize) -> Vec<usize> {
         }
         let new = |&(to, _): &(usize, _)| seen.get(to) == Some(&false);
         let joined = decomposition.neighbours(here).filter(new);
-        match joined.min_by_key(|&(to, _)| !decomposition.is_own(to)) {
-            Some((to, _)) => trunk.push((to, order.len())),
-            None => {
-                trunk.pop();
-                // One that others cover leads to the rectangles behind it only.
-                if order.len() == before + 1 && !decomposition.is_own(here) {
-                    order.pop();
-                }
-            }
+        if let Some((to, _)) = joined.min_by_key(|&(to, _)| !decomposition.is_own(to)) {
+            trunk.push((to, order.len()));
+            continue;
+        }
+        trunk.pop();
+        // One that others cover leads to the rectangles behind it only.
+        if order.len() == before + 1 && !decomposition.is_own(here) {
+            order.pop();
         }
     }
     if order.len() > 1 {

@@ -111,7 +111,7 @@ pub struct FilterParams {
     /// ruled out, as in the paper: then hypotheses that hardly move outlive the others.
     pub turn_at_walls: bool,
     /// Deviation by which a noisy sighting scatters the hypotheses in x and in y, as a share of its own; 0 for none, as in the
-    /// paper. Without it, hypotheses behind an opponent at full speed never catch up with it: none is faster.
+    /// paper. Without it, hypotheses behind an opponent at full speed hardly catch up with it: none is faster.
     #[schemars(transform = between(0, 1))]
     pub scatter: f64,
     /// Variant of the filter. [`Fidelity::Published`]: walks that stay at the ends of their ranges;
