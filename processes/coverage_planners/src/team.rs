@@ -1,21 +1,15 @@
 //! Robots of a team that divide a workplace, as one of them sees them.
 //!
 //! Each robot computes the same from the positions of all: its team needs no messages of its own. A robot out of play, or
-//! one that has stood or driven around on one spot as long as a guard that
-//! [counts as lost](planner_view::stay), has no part until it drives on.
+//! one that [does not get on](planner_view::stay), has no part until it drives on.
 
 use coverage::decomposition::Place;
-use geometry::math::angle_difference;
-use geometry::pose::Pose2;
-use planner_view::stay::{LINGERED_S, STOOD_S};
+use planner_view::stay::{LINGERED_S, STOOD_S, Stay};
 use planner_view::view::{RobotView, View};
 use runtime::config::RobotInfo;
 
 /// Radius of a spot, in radii of the robot.
 const SPOT: f64 = 4.0;
-
-/// Turn that counts as a motion (rad).
-const TURN: f64 = 1.0;
 
 /// A robot of the team.
 #[derive(Debug, Clone)]
@@ -23,8 +17,7 @@ struct Member {
     robot: usize,
     place: Place,
     takes_part: bool,
-    /// Last pose from which it has not moved, last one whose spot it has not left, and their times (s); `None` out of play.
-    stays: Option<[(Pose2, f64); 2]>,
+    stay: Stay,
 }
 
 /// The robots of a team.
@@ -46,7 +39,7 @@ impl Team {
                 robot: robot as usize,
                 place: Place { start, here: start },
                 takes_part: true,
-                stays: None,
+                stay: Stay::default(),
             })
         };
         let members: Vec<Member> = companions.filter_map(member).collect();
@@ -63,7 +56,7 @@ impl Team {
         for member in &mut self.members {
             let robot = view.robot(member.robot).filter(|robot| robot.active);
             let took_part = core::mem::replace(&mut member.takes_part, false);
-            member.takes_part = member.follow(robot, took_part, view.time_s);
+            member.takes_part = member.follow(robot, view.time_s);
             changed |= member.takes_part != took_part;
         }
         changed && self.members.get(self.own).is_some_and(|m| m.takes_part)
@@ -83,37 +76,22 @@ impl Team {
 
 impl Member {
     /// Follows the robot, `None` if it is out of play; returns `true` if it takes part.
-    fn follow(&mut self, robot: Option<&RobotView>, took_part: bool, time_s: f64) -> bool {
-        let Some(&RobotView {
-            pose,
-            radius,
-            v_max,
-            ..
-        }) = robot
-        else {
-            self.stays = None;
+    fn follow(&mut self, robot: Option<&RobotView>, time_s: f64) -> bool {
+        let Some(robot) = robot else {
+            self.stay = Stay::default();
             return false;
         };
-        self.place.here = pose.position();
-        let now = (pose, time_s);
-        let [rest, stay] = self.stays.get_or_insert([now; 2]);
-        let moved = |from: &Pose2| (pose.position() - from.position()).norm();
-        if moved(&stay.0) > SPOT * radius {
-            (*rest, *stay) = (now, now);
-        } else if moved(&rest.0) > radius || angle_difference(pose.theta, rest.0.theta).abs() > TURN
-        {
-            *rest = now;
-        }
-        // Slow robots need longer to leave a spot.
-        let least_s = 2.0 * SPOT * radius / v_max;
-        let is_moving = time_s - rest.1 < STOOD_S.max(least_s);
-        stay.1 >= time_s || (took_part && is_moving && time_s - stay.1 < LINGERED_S.max(least_s))
+        self.place.here = robot.pose.position();
+        // Slow robots need not get as far in the same time.
+        let reach = [(1.0, STOOD_S), (SPOT, LINGERED_S)]
+            .map(|(radii, stay_s)| (radii * robot.radius).min(0.5 * robot.v_max * stay_s));
+        !self.stay.is_lost(self.place.here, time_s, reach, false)
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use geometry::pose::Twist2;
+    use geometry::pose::{Pose2, Twist2};
     use robot::team::Role;
 
     use super::*;
@@ -139,13 +117,13 @@ mod tests {
             robot: 0,
             place: Place { start, here: start },
             takes_part: true,
-            stays: None,
+            stay: Stay::default(),
         };
         let mut found = Vec::new();
         for step in 0..200 {
             let time_s = 0.5 * f64::from(step);
             let took_part = member.takes_part;
-            member.takes_part = member.follow(pose(time_s).as_ref(), took_part, time_s);
+            member.takes_part = member.follow(pose(time_s).as_ref(), time_s);
             if member.takes_part != took_part {
                 found.push((time_s, member.takes_part));
             }
@@ -163,9 +141,8 @@ mod tests {
         };
         assert!((lost_s - 20.0 - STOOD_S).abs() < 1.0, "{lost_s} s");
         assert!((50.0..53.0).contains(&back_s), "{back_s} s");
-        // Turning is a motion, but does not lead anywhere.
         let spins = |t: f64| Some(seen(0.0, t));
-        assert_eq!(changes(spins), [(LINGERED_S, false)]);
+        assert_eq!(changes(spins), [(STOOD_S, false)]);
         let circles = |t: f64| Some(seen(0.3 * geometry::math::sincos(t).0, 0.0));
         assert_eq!(changes(circles).len(), 1);
         let leaves = |t: f64| Some(seen(0.2 * t, 0.0)).filter(|_| !(10.0..20.0).contains(&t));
