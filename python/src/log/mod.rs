@@ -22,6 +22,9 @@ use python_algorithms::arguments::invalid;
 use python_algorithms::error::{Error, InvalidInput};
 use python_algorithms::interruptible::wait;
 
+/// Names of the robots of a patrol, and its places (m).
+type PatrolPlaces = (Vec<String>, Vec<[f64; 2]>);
+
 /// A log file and its contents.
 ///
 /// Raises
@@ -94,7 +97,7 @@ impl LogFile {
     }
 
     /// Of each patrol: the names of its robots, and its places (m).
-    fn patrol_places(&self, py: Python<'_>) -> PyResult<Vec<(Vec<String>, Vec<[f64; 2]>)>> {
+    fn patrol_places(&self, py: Python<'_>) -> PyResult<Vec<PatrolPlaces>> {
         let run = read(py, |_| Ok(RunInfo::from_log(&Origin::read(&self.path)?)))?;
         let run = run.unwrap_or_default();
         let patrols = PatrolMeasurement::of_all(&run.patrols, &run.robots);
