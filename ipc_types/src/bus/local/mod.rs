@@ -11,7 +11,7 @@ mod message;
 mod ports;
 
 use core::any::Any;
-use core::cell::RefCell;
+use core::cell::{Cell, RefCell};
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
@@ -31,6 +31,8 @@ pub(super) struct LocalTopics {
     channels: RefCell<BTreeMap<&'static str, Rc<dyn Any>>>,
     /// Every service's [`Endpoint`], by its name.
     endpoints: RefCell<BTreeMap<&'static str, Rc<dyn Any>>>,
+    /// Number of messages so far, by topic and sender.
+    sequences: RefCell<BTreeMap<(&'static str, u32), Rc<Cell<u64>>>>,
 }
 
 impl LocalTopics {
@@ -51,6 +53,12 @@ impl LocalTopics {
             ours: format!("schema {}", schema::fingerprint(facts)),
             theirs: "another type of the same name".into(),
         })
+    }
+
+    /// The number of messages of a sender, which its publishers count together: one may continue for another.
+    pub(super) fn sequence(&self, topic: &'static str, source: u32) -> Rc<Cell<u64>> {
+        let mut sequences = self.sequences.borrow_mut();
+        Rc::clone(sequences.entry((topic, source)).or_default())
     }
 
     /// The endpoint of a service, created on the first request.

@@ -1,6 +1,6 @@
 //! The processes of a run in one thread.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 
 use ipc_types::bus::Bus;
@@ -13,16 +13,17 @@ use simulator::process::Simulator;
 
 use super::super::error::InProcessError;
 use super::super::plan::{Launch, Plan};
+use super::branches::PreparedBranch;
 
 /// One process.
-struct LocalProcess {
-    name: String,
-    process: Box<dyn Process>,
+pub(super) struct LocalProcess {
+    pub(super) name: String,
+    pub(super) process: Box<dyn Process>,
 }
 
 /// Processes other than the simulator, in the order in which they step.
 pub struct LocalProcesses {
-    processes: Vec<LocalProcess>,
+    pub(super) processes: Vec<LocalProcess>,
     /// Number of processes that come before the first one with its own kind.
     early: usize,
 }
@@ -51,6 +52,12 @@ impl LocalProcesses {
             .map(|launch| open_process(launch, programs.get(&launch.config.name), bus))
             .collect::<Result<_, _>>()?;
         Ok(Self { processes, early })
+    }
+
+    /// Takes processes in their order, none of them late.
+    pub(super) fn from_list(processes: Vec<LocalProcess>) -> Self {
+        let early = processes.len();
+        Self { processes, early }
     }
 
     /// Connects all processes.
@@ -103,9 +110,10 @@ fn each(
 
 /// The simulator and the other processes.
 pub(super) struct LocalRun {
-    leader: String,
-    simulator: Simulator,
-    followers: LocalProcesses,
+    pub(super) leader: String,
+    pub(super) simulator: Simulator,
+    pub(super) followers: LocalProcesses,
+    pub(super) branches: VecDeque<PreparedBranch>,
 }
 
 impl LocalRun {
@@ -129,19 +137,25 @@ impl LocalRun {
             leader: leader.config.name.clone(),
             simulator,
             followers,
+            branches: VecDeque::new(),
         })
     }
 
     /// Connects all processes and sends the map.
     pub(super) fn connect(&mut self) -> Result<(), InProcessError> {
         self.followers.connect()?;
+        for branch in &mut self.branches {
+            branch.changed.connect()?;
+        }
         let connected = self.simulator.connect();
         connected.map_err(|source| failed(&self.leader, None, source))
     }
 
     /// Lets all processes build their data of the map.
     pub(super) fn prepare(&mut self) -> Result<(), InProcessError> {
-        self.followers.prepare()
+        self.followers.prepare()?;
+        let mut branches = self.branches.iter_mut();
+        branches.try_for_each(|branch| branch.changed.prepare())
     }
 
     /// Returns the current tick.
@@ -162,6 +176,7 @@ impl LocalRun {
     /// Does the first part of [`Self::turn`]: publishes the state, and steps the processes before the first one with its
     /// own kind.
     pub(super) fn sense(&mut self) -> Result<bool, InProcessError> {
+        self.begin_branches()?;
         let tick = self.simulator.tick();
         let published = self.simulator.publish();
         if published.map_err(|source| failed(&self.leader, Some(tick), source))? {
@@ -176,7 +191,9 @@ impl LocalRun {
         let tick = self.simulator.tick();
         self.followers.step_late(tick)?;
         let taken = self.simulator.take_commands();
-        taken.map_err(|source| failed(&self.leader, Some(tick), source))
+        taken.map_err(|source| failed(&self.leader, Some(tick), source))?;
+        let mut branches = self.branches.iter_mut();
+        branches.try_for_each(|branch| branch.changed.step(tick))
     }
 
     /// Returns the world.
@@ -190,7 +207,7 @@ impl LocalRun {
     }
 }
 
-fn failed(name: &str, tick: Option<u64>, source: ProcessError) -> InProcessError {
+pub(super) fn failed(name: &str, tick: Option<u64>, source: ProcessError) -> InProcessError {
     let name = name.to_owned();
     let when = tick.map_or_else(
         || "before the first tick".to_owned(),
@@ -200,7 +217,7 @@ fn failed(name: &str, tick: Option<u64>, source: ProcessError) -> InProcessError
     InProcessError::Process { name, when, source }
 }
 
-fn open_process(
+pub(super) fn open_process(
     launch: &Launch,
     program: Option<&ConfiguredKind>,
     bus: &Bus,
@@ -221,7 +238,7 @@ fn open_process(
 
 /// Sorts the followers so that every process comes after those whose messages of the same tick it needs, and those that
 /// are late after all that do not wait for them; otherwise keeps the order of the plan.
-fn order(
+pub(super) fn order(
     followers: &[Launch],
     is_late: impl Fn(&Launch) -> bool,
 ) -> Result<Vec<&Launch>, InProcessError> {

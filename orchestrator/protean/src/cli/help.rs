@@ -9,6 +9,7 @@ pub(crate) const HEADINGS: [(&str, &[&str]); 6] = [
         "Logs",
         &[
             "report", "picture", "info", "cat", "export", "recover", "replay", "verify", "diff",
+            "branch", "decided",
         ],
     ),
     ("Experiments", &["sweep", "reproduce"]),
