@@ -9,6 +9,7 @@
 mod support;
 
 mod bad_input;
+mod branch;
 mod c_sensor;
 mod causes;
 mod chaos;

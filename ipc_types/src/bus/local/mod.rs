@@ -24,6 +24,9 @@ use super::{BusError, BusOptions};
 use crate::schema;
 use crate::topics::{Service, TopicFacts};
 
+/// The number of messages of a sender, which its publishers count together: one may continue for another.
+type Sequence = Rc<Cell<u64>>;
+
 /// The topics of one run in memory.
 #[derive(Default)]
 pub(super) struct LocalTopics {
@@ -32,7 +35,7 @@ pub(super) struct LocalTopics {
     /// Every service's [`Endpoint`], by its name.
     endpoints: RefCell<BTreeMap<&'static str, Rc<dyn Any>>>,
     /// Number of messages so far, by topic and sender.
-    sequences: RefCell<BTreeMap<(&'static str, u32), Rc<Cell<u64>>>>,
+    sequences: RefCell<BTreeMap<(&'static str, u32), Sequence>>,
 }
 
 impl LocalTopics {
@@ -55,8 +58,8 @@ impl LocalTopics {
         })
     }
 
-    /// The number of messages of a sender, which its publishers count together: one may continue for another.
-    pub(super) fn sequence(&self, topic: &'static str, source: u32) -> Rc<Cell<u64>> {
+    /// Returns the counter of a topic and a sender.
+    pub(super) fn sequence(&self, topic: &'static str, source: u32) -> Sequence {
         let mut sequences = self.sequences.borrow_mut();
         Rc::clone(sequences.entry((topic, source)).or_default())
     }
