@@ -3,9 +3,10 @@
 //! * [`Parent`] is the run in the log, with the branches that it is itself; [`Parent::branch`] records a branch and compares
 //!   what precedes it with the log;
 //! * [`continuations`] repeats a branch with other random streams, and counts the outcomes;
-//! * [`decided()`] does so at many moments, and finds the one from which on an outcome was settled.
+//! * [`decided()`] does so at many moments, and finds the one from which on an outcome was settled; [`curve_svg`] draws it.
 
 mod continuations;
+mod curve;
 mod decided;
 mod error;
 mod parent;
@@ -14,6 +15,7 @@ mod parent;
 mod tests;
 
 pub use continuations::{ContinuationOptions, OutcomeShare, RobotShares, continuations};
+pub use curve::curve_svg;
 pub use decided::{DecidedOptions, DecidedReport, Decision, Moment, decided};
 pub use error::BranchError;
 pub use parent::{BranchReport, Parent};

@@ -5,7 +5,9 @@ use mission::in_process::{InProcessOptions, run};
 use replay::lineage::Change;
 use replay::{RerunOptions, rerun};
 
-use crate::{BranchReport, ContinuationOptions, DecidedOptions, Parent, continuations, decided};
+use crate::{
+    BranchReport, ContinuationOptions, DecidedOptions, Parent, continuations, curve_svg, decided,
+};
 
 /// Records a mission into a folder; returns its log.
 fn record(folder: &Path, name: &str, set: &[&str]) -> PathBuf {
@@ -186,6 +188,8 @@ fn the_share_of_an_outcome_reaches_one_before_it_happens() {
         let [low, high] = decision.between_s.unwrap_or([0.0, 0.0]);
         assert!(high - low <= 1.0 && high < decision.time_s, "{decision:?}");
     }
+    let picture = curve_svg(&report);
+    assert_eq!(picture.matches("<polyline").count(), 2);
     let again = decided(&parent, &DecidedOptions { jobs: 1, ..options }, &watch).unwrap();
     assert_eq!(again, report);
 }

@@ -3,16 +3,17 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use branch::{DecidedOptions, DecidedReport, Decision, Moment, Parent, decided};
+use branch::{DecidedOptions, DecidedReport, Decision, Moment, Parent, curve_svg, decided};
 use mcap_log::derived;
 use platform::atomic_file::Readers;
 use platform::machine::processors;
+use platform::output_format::OutputFormat;
 use recorder::time_text;
 use scenario::kind::Kind;
 use tables::TerminalTable;
 
 use super::branch::ChangeArgs;
-use super::common::{ExternalArg, ForceArg, JsonArg, QuietArg};
+use super::common::{ExternalArg, ForceArg, JsonArg, QuietArg, out};
 use super::logs;
 use super::output::{print, print_json};
 
@@ -45,8 +46,11 @@ pub(super) struct DecidedArgs {
     #[arg(long, short, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=4096))]
     jobs: Option<u16>,
     /// Write all shares to FILE as CSV
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = out(OutputFormat::CSV))]
     csv: Option<PathBuf>,
+    /// Draw the shares of the recorded outcomes into FILE
+    #[arg(long, value_name = "FILE", value_parser = out(OutputFormat::SVG))]
+    svg: Option<PathBuf>,
     #[command(flatten)]
     force: ForceArg,
     #[command(flatten)]
@@ -73,8 +77,10 @@ pub(super) fn run(kinds: &[Kind], args: &DecidedArgs) -> ExitCode {
             jobs: args.jobs.map_or_else(processors, usize::from),
         };
         let report = decided(&parent, &options, watch)?;
-        if let Some(file) = &args.csv {
-            let text = csv(&report);
+        let files = [(&args.csv, csv as fn(&_) -> _), (&args.svg, curve_svg)];
+        for (file, render) in files {
+            let Some(file) = file else { continue };
+            let text = render(&report);
             derived::write(
                 text.as_bytes(),
                 file,
