@@ -117,12 +117,14 @@ impl Parent {
     ///
     /// # Errors
     /// [`BranchError::Different`]; others as those of [`rerun`].
-    pub fn verify(&self, watch: &mut ReadProgress) -> Result<(), BranchError> {
+    pub fn verify(&self, watch: &ReadProgress) -> Result<(), BranchError> {
         let options = RerunOptions {
             in_process: true,
             allow_external: true,
         };
-        let done = rerun(&self.log, &self.kinds, options, watch)?;
+        // Without the events of the run, which it repeats.
+        let mut quiet = ReadProgress::new(Arc::clone(&watch.interrupted), true);
+        let done = rerun(&self.log, &self.kinds, options, &mut quiet)?;
         if done.same {
             return Ok(());
         }

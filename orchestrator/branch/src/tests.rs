@@ -60,7 +60,7 @@ fn a_branch_is_its_parent_before_the_moment_and_can_be_repeated_and_branched() {
             ..Change::default()
         },
         Change {
-            replace: strings(&["evader_potential_evader_1=evader_braitenberg"]),
+            replace: strings(&["evader_potential_evader_1=evader_reach_avoid"]),
             ..Change::default()
         },
         Change {
@@ -155,8 +155,8 @@ fn the_share_of_an_outcome_reaches_one_before_it_happens() {
     let folder = tempfile::tempdir().unwrap();
     let log = record(folder.path(), "chase_exact", &[]);
     let parent = read(&log);
-    let mut watch = ReadProgress::default();
-    parent.verify(&mut watch).unwrap();
+    let watch = ReadProgress::default();
+    parent.verify(&watch).unwrap();
     let change = Change {
         reseed: strings(&["all"]),
         ..Change::default()

@@ -94,7 +94,7 @@ mod tests {
             }
         }
         assert_eq!(listed, visible);
-        assert!(visible.len() <= 23, "too many commands to choose from");
+        assert!(visible.len() <= 25, "too many commands to choose from");
     }
 
     #[test]
