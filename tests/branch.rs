@@ -81,7 +81,7 @@ fn a_command_changes_the_history_from_its_moment_on_and_not_before() {
         "branch a.mcap --at 3.01",
         "branch a.mcap --at 9",
         "branch a.mcap --at 3 --set run.seed=4",
-        "branch a.mcap --at 3 --reseed nobody",
+        "branch a.mcap --at 3 --reseed unknown",
         "decided a.mcap --moments 0",
         "decided a.mcap --share 1",
     ] {

@@ -134,7 +134,7 @@ impl Bus {
         opened
     }
 
-    /// Opens ports for a process in this thread whose messages reach nobody while `mute` is set. Afterwards they continue
+    /// Opens ports for a process in this thread whose messages reach no subscriber while `mute` is set. Afterwards they continue
     /// the sequence numbers of the process with the same index, whose ports are closed by then.
     pub fn muted<R>(&self, mute: &Rc<Cell<bool>>, open: impl FnOnce() -> R) -> R {
         self.mute.replace(Some(Rc::clone(mute)));

@@ -2,7 +2,7 @@
 //!
 //! At each moment the run continues several times with other random streams. An outcome is decided from the moment on from
 //! which its share stays at or above a threshold. Bisection brackets that moment to [`WIDTH_S`]; at each point the number
-//! of continuations doubles until Wilson's 95 % interval of the share excludes the threshold, at most [`MOST`] times the
+//! of continuations doubles until Wilson's 95 % interval of the share excludes the threshold, at most [`MAX_FACTOR`] times the
 //! given one.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -21,7 +21,7 @@ use crate::parent::Parent;
 /// Width of a bracket at which the bisection ends (s).
 const WIDTH_S: f64 = 1.0;
 /// Maximum number of continuations at a moment, as a multiple of the given one.
-const MOST: u64 = 16;
+const MAX_FACTOR: u64 = 16;
 
 /// Options of the search for the moment of decision.
 #[derive(Debug, Clone)]
@@ -32,7 +32,7 @@ pub struct DecidedOptions {
     pub times: u64,
     /// Share of an outcome from which on it is decided, above 0 and below 1.
     pub threshold: f64,
-    /// What varies.
+    /// The change, with the streams that vary.
     pub change: Change,
     /// Number of threads.
     pub jobs: usize,
@@ -49,7 +49,7 @@ pub struct Moment {
     pub robots: Vec<RobotShares>,
 }
 
-/// When the outcome of a robot was decided.
+/// The moment at which the outcome of a robot was decided.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Decision {
     /// Name of the robot.
@@ -72,7 +72,7 @@ pub struct DecidedReport {
     pub scenario: String,
     /// Seed of the run.
     pub seed: u64,
-    /// What varied.
+    /// The change, with the streams that varied.
     pub change: Change,
     /// Share of an outcome from which on it is decided.
     pub threshold: f64,
@@ -138,7 +138,7 @@ impl Search<'_> {
             self.sample([tick].into_iter(), times)?;
             let (share, is_certain) = self.share(tick, robot, outcome);
             times *= 2;
-            if is_certain || times > MOST * self.options.times {
+            if is_certain || times > MAX_FACTOR * self.options.times {
                 return Ok((share >= self.options.threshold, is_certain));
             }
         }

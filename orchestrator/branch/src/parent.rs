@@ -41,7 +41,7 @@ pub struct BranchReport {
     pub seed: u64,
     /// Log of the branch; removed if it differs from its parent before the moment.
     pub log: PathBuf,
-    /// Where it begins, and its change.
+    /// Its beginning and its change.
     #[serde(flatten)]
     pub point: BranchPoint,
     /// `true` if its history before the moment is that of the parent.

@@ -131,15 +131,15 @@ fn moments_and_changes_that_no_run_can_take_are_refused_with_their_values() {
         (change(&["world.blur_sigma=0.1"], &[], &[], &[]), "the map"),
         (change(&["rules.nothing=1"], &[], &[], &[]), "--set"),
         (
-            change(&[], &["nobody=pursuer"], &[], &[]),
-            "--replace nobody=pursuer",
+            change(&[], &["unknown=pursuer"], &[], &[]),
+            "--replace unknown=pursuer",
         ),
         (
             change(&[], &[], &["police_1=0.1"], &[]),
             "expected ROBOT=V,OMEGA",
         ),
-        (change(&[], &[], &["nobody=0,0"], &[]), "police_1"),
-        (change(&[], &[], &[], &["nobody"]), "expected all"),
+        (change(&[], &[], &["unknown=0,0"], &[]), "police_1"),
+        (change(&[], &[], &[], &["unknown"]), "expected all"),
     ] {
         let out = folder.path().join("refused.mcap");
         let mut watch = ReadProgress::default();

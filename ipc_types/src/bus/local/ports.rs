@@ -12,7 +12,7 @@ use crate::bus::{BusError, LOOP_TICKS};
 pub(in crate::bus) struct Sender<H, E> {
     channel: Rc<Channel<H, E>>,
     number: usize,
-    /// Set while its messages reach nobody.
+    /// Set while its messages reach no subscriber.
     mute: Option<Rc<Cell<bool>>>,
     /// Messages sent before, the oldest first; the memory of an unreferenced one is reused.
     sent: RefCell<VecDeque<Rc<Message<H, E>>>>,
@@ -32,7 +32,7 @@ impl<H: Default, E: Copy> Sender<H, E> {
         })
     }
 
-    /// Sends the message that `write` fills, and counts it in `sequence` unless it reaches nobody; returns the number of
+    /// Sends the message that `write` fills, and counts it in `sequence` unless it is mute; returns the number of
     /// receivers, `None` if one of them had no room.
     pub(in crate::bus) fn send(
         &self,

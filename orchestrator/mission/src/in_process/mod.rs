@@ -10,6 +10,7 @@
 
 mod branches;
 mod libraries;
+mod local_run;
 pub mod placement;
 mod processes;
 mod stepped;
@@ -30,7 +31,7 @@ use ipc_types::stamp::Stamp;
 use ipc_types::topics::{ObstacleEvents, ProcessLog};
 use runtime::maps::Maps;
 
-use self::processes::LocalRun;
+use self::local_run::LocalRun;
 use super::error::{InProcessError, MissionError};
 use super::output_lines::MAX_TEXT_BYTES;
 use super::plan::Plan;

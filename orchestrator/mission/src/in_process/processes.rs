@@ -1,19 +1,14 @@
 //! The processes of a run in one thread.
 
-use std::collections::{BTreeMap, VecDeque};
-use std::sync::Arc;
+use std::collections::BTreeMap;
 
 use ipc_types::bus::Bus;
 use runtime::declaration;
-use runtime::maps::Maps;
 use runtime::{Process, ProcessConfig, ProcessError};
 use scenario::kind::ConfiguredKind;
-use sim_backend::world::World;
-use simulator::process::Simulator;
 
 use super::super::error::InProcessError;
-use super::super::plan::{Launch, Plan};
-use super::branches::PreparedBranch;
+use super::super::plan::Launch;
 
 /// One process.
 pub(super) struct LocalProcess {
@@ -86,13 +81,13 @@ impl LocalProcesses {
     }
 
     /// Steps the processes that come before the first one with its own kind.
-    fn step_early(&mut self, tick: u64) -> Result<(), InProcessError> {
+    pub(super) fn step_early(&mut self, tick: u64) -> Result<(), InProcessError> {
         let (early, _) = self.processes.split_at_mut(self.early);
         each(early, Some(tick), |process| process.step(tick))
     }
 
     /// Steps the other processes.
-    fn step_late(&mut self, tick: u64) -> Result<(), InProcessError> {
+    pub(super) fn step_late(&mut self, tick: u64) -> Result<(), InProcessError> {
         let (_, late) = self.processes.split_at_mut(self.early);
         each(late, Some(tick), |process| process.step(tick))
     }
@@ -106,105 +101,6 @@ fn each(
     processes.iter_mut().try_for_each(|it| {
         act(it.process.as_mut()).map_err(|source| failed(&it.name, tick, source))
     })
-}
-
-/// The simulator and the other processes.
-pub(super) struct LocalRun {
-    pub(super) leader: String,
-    pub(super) simulator: Simulator,
-    pub(super) followers: LocalProcesses,
-    pub(super) branches: VecDeque<PreparedBranch>,
-}
-
-impl LocalRun {
-    /// Opens the ports of all processes, which share `maps`; `programs` run in the place of those with their names.
-    pub(super) fn open_with(
-        plan: &Plan,
-        programs: &BTreeMap<String, ConfiguredKind>,
-        bus: &Bus,
-        maps: &Arc<Maps>,
-    ) -> Result<Self, InProcessError> {
-        let Some((leader, params, followers)) = plan.split_simulator() else {
-            return Err(InProcessError::NoSimulator);
-        };
-        let simulator = Simulator::open(&leader.config, params, bus, Some(Arc::clone(maps)))
-            .map_err(|source| failed(&leader.config.name, None, source))?;
-        let mut followers = LocalProcesses::open_with(followers, programs, bus)?;
-        for follower in &mut followers.processes {
-            follower.process.share_maps(maps);
-        }
-        Ok(Self {
-            leader: leader.config.name.clone(),
-            simulator,
-            followers,
-            branches: VecDeque::new(),
-        })
-    }
-
-    /// Connects all processes and sends the map.
-    pub(super) fn connect(&mut self) -> Result<(), InProcessError> {
-        self.followers.connect()?;
-        for branch in &mut self.branches {
-            branch.changed.connect()?;
-        }
-        let connected = self.simulator.connect();
-        connected.map_err(|source| failed(&self.leader, None, source))
-    }
-
-    /// Lets all processes build their data of the map.
-    pub(super) fn prepare(&mut self) -> Result<(), InProcessError> {
-        self.followers.prepare()?;
-        let mut branches = self.branches.iter_mut();
-        branches.try_for_each(|branch| branch.changed.prepare())
-    }
-
-    /// Returns the current tick.
-    pub(super) fn tick(&self) -> u64 {
-        self.simulator.tick()
-    }
-
-    /// Executes the current tick except the step of the world: publishes the state, steps the processes, and takes
-    /// the commands. Returns `true` if the game is over; this last tick has no steps of processes.
-    pub(super) fn turn(&mut self) -> Result<bool, InProcessError> {
-        if self.sense()? {
-            return Ok(true);
-        }
-        self.act()?;
-        Ok(false)
-    }
-
-    /// Does the first part of [`Self::turn`]: publishes the state, and steps the processes before the first one with its
-    /// own kind.
-    pub(super) fn sense(&mut self) -> Result<bool, InProcessError> {
-        self.begin_branches()?;
-        let tick = self.simulator.tick();
-        let published = self.simulator.publish();
-        if published.map_err(|source| failed(&self.leader, Some(tick), source))? {
-            return Ok(true);
-        }
-        self.followers.step_early(tick)?;
-        Ok(false)
-    }
-
-    /// Does the second part: steps the other processes, and takes the commands.
-    pub(super) fn act(&mut self) -> Result<(), InProcessError> {
-        let tick = self.simulator.tick();
-        self.followers.step_late(tick)?;
-        let taken = self.simulator.take_commands();
-        taken.map_err(|source| failed(&self.leader, Some(tick), source))?;
-        let mut branches = self.branches.iter_mut();
-        branches.try_for_each(|branch| branch.changed.step(tick))
-    }
-
-    /// Returns the world.
-    pub(super) fn world(&self) -> &World {
-        self.simulator.world()
-    }
-
-    /// Steps the world to the next tick.
-    pub(super) fn advance(&mut self) {
-        self.simulator.advance(0);
-    }
 }
 
 pub(super) fn failed(name: &str, tick: Option<u64>, source: ProcessError) -> InProcessError {
@@ -263,6 +159,7 @@ pub(super) fn order(
 mod tests {
     use std::path::Path;
 
+    use super::super::super::plan::Plan;
     use super::*;
     use kinds::load;
 

@@ -35,7 +35,7 @@ streams: its memory is that of this past. Its own messages count from T on.
 Exit codes: 0 success, 1 the history before T differs from the log or a run failed, 2 the log or the change is not usable,
 3 interrupted.";
 
-/// What a branch changes.
+/// Change of a branch.
 #[derive(Debug, Clone, clap::Args)]
 pub(super) struct ChangeArgs {
     /// Override a value of the scenario from T on: parameters, limits, noise, rules
