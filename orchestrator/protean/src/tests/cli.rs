@@ -114,7 +114,8 @@ fn outputs(command: &Command, words: &[String], found: &mut Vec<(Vec<String>, Ve
     let required = command
         .get_positionals()
         .filter(|arg| arg.is_required_set());
-    let options = command.get_opts().filter(|arg| arg.is_required_set());
+    let options = command.get_opts();
+    let options = options.filter(|arg| arg.is_required_set() && !is_output(arg));
     let options = options.filter_map(Arg::get_long);
     let required: Vec<String> = required
         .map(|arg| {
