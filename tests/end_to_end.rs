@@ -10,6 +10,7 @@ mod support;
 
 mod attacks;
 mod bad_input;
+mod branch;
 mod c_sensor;
 mod causes;
 mod chaos;

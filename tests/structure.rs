@@ -66,7 +66,7 @@ const RULES: Rules = Rules {
         &["kinds", "mission", "plan"],
         &["environment", "replay"],
         &["latency", "published", "sweep"],
-        &["mission_tests"],
+        &["branch", "mission_tests"],
         &["protean", "python_algorithms"],
         // `testing` is for tests only.
         &["_core", "benchmarks", "end_to_end", "testing"],

@@ -29,7 +29,7 @@ pub use raw::RawPublisher;
 pub use request_response::{ActiveRequest, Attendant, Client, PendingResponse, Server};
 pub use subscriber::{ReceivedMessage, Subscriber};
 
-use core::cell::RefCell;
+use core::cell::{Cell, RefCell};
 use std::rc::Rc;
 
 use crate::clock::{StampClock, StepStart};
@@ -81,6 +81,8 @@ pub struct Bus {
     turn: StepStart,
     /// The inbox of the process that opens its ports now.
     inbox: RefCell<Option<Rc<Inbox>>>,
+    /// The mute of the process that opens its ports now.
+    mute: RefCell<Option<Rc<Cell<bool>>>>,
 }
 
 #[derive(Debug)]
@@ -107,6 +109,7 @@ impl Bus {
             options,
             turn: StepStart::default(),
             inbox: RefCell::default(),
+            mute: RefCell::default(),
         })
     }
 
@@ -118,6 +121,7 @@ impl Bus {
             options,
             turn: StepStart::default(),
             inbox: RefCell::default(),
+            mute: RefCell::default(),
         }
     }
 
@@ -127,6 +131,15 @@ impl Bus {
         let before = self.inbox.replace(Some(Rc::clone(inbox)));
         let opened = open();
         self.inbox.replace(before);
+        opened
+    }
+
+    /// Opens ports for a process in this thread whose messages reach no subscriber while `mute` is set. Afterwards they continue
+    /// the sequence numbers of the process with the same index, whose ports are closed by then.
+    pub fn muted<R>(&self, mute: &Rc<Cell<bool>>, open: impl FnOnce() -> R) -> R {
+        self.mute.replace(Some(Rc::clone(mute)));
+        let opened = open();
+        self.mute.replace(None);
         opened
     }
 
@@ -265,7 +278,8 @@ impl Bus {
                 Publisher::open(&**node, &self.options, options, self.turn.clone())
             }
             Backend::Local(local_topics) => {
-                Publisher::open_local(local_topics, &self.options, options)
+                let mute = self.mute.borrow().clone();
+                Publisher::open_local(local_topics, &self.options, options, mute)
             }
         };
         Ok(opened?.dated_by(self.inbox.borrow().clone()))

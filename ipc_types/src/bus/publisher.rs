@@ -63,7 +63,7 @@ impl PublisherOptions {
 pub struct Publisher<T: Topic> {
     port: Port<T>,
     options: PublisherOptions,
-    sequence: Cell<u64>,
+    sequence: Rc<Cell<u64>>,
     turn: StepStart,
     inbox: Option<Rc<Inbox>>,
 }
@@ -87,7 +87,7 @@ impl<T: Topic> Publisher<T> {
         Ok(Self {
             port: Port::Ipc(port),
             options,
-            sequence: Cell::new(0),
+            sequence: Rc::default(),
             turn,
             inbox: None,
         })
@@ -97,11 +97,15 @@ impl<T: Topic> Publisher<T> {
         local_topics: &LocalTopics,
         bus: &BusOptions,
         options: PublisherOptions,
+        mute: Option<Rc<Cell<bool>>>,
     ) -> Result<Self, BusError> {
         Ok(Self {
-            port: Port::Local(local::Sender::open(local_topics.channel(T::FACTS, bus)?)?),
+            port: Port::Local(local::Sender::open(
+                local_topics.channel(T::FACTS, bus)?,
+                mute,
+            )?),
             options,
-            sequence: Cell::new(0),
+            sequence: local_topics.sequence(T::NAME, options.source),
             turn: StepStart::default(),
             inbox: None,
         })
@@ -147,7 +151,7 @@ impl<T: Topic> Publisher<T> {
                     memory.copy_from_slice(elements);
                 }))
             }
-            Port::Local(port) => self.sent(port.send(|message| {
+            Port::Local(port) => Self::sent(port.send(&self.sequence, |message| {
                 message.fill(header, |own| own.extend_from_slice(elements));
             })),
         }
@@ -173,7 +177,7 @@ impl<T: Topic> Publisher<T> {
                     }
                 }))
             }
-            Port::Local(port) => self.sent(port.send(|message| {
+            Port::Local(port) => Self::sent(port.send(&self.sequence, |message| {
                 message.fill(header, |own| own.extend((0..count).map(element)));
             })),
         }
@@ -202,7 +206,7 @@ impl<T: Topic> Publisher<T> {
                     }
                 }))
             }
-            Port::Local(port) => self.sent(port.send(|message| {
+            Port::Local(port) => Self::sent(port.send(&self.sequence, |message| {
                 message.fill(header, |own| {
                     own.resize(count, T::Element::default());
                     write(own);
@@ -225,7 +229,7 @@ impl<T: Topic> Publisher<T> {
             Port::Ipc(_) => self.send(header, elements),
             Port::Local(port) => {
                 let header = self.stamped(header, elements.len())?;
-                self.sent(port.send(|message| message.share(header, elements)))
+                Self::sent(port.send(&self.sequence, |message| message.share(header, elements)))
             }
         }
     }
@@ -242,7 +246,7 @@ impl<T: Topic> Publisher<T> {
                     memory.copy_from_slice(elements);
                 }))
             }
-            Port::Local(port) => self.sent(port.send(|message| {
+            Port::Local(port) => Self::sent(port.send(&self.sequence, |message| {
                 message.fill(header, |own| own.extend_from_slice(elements));
             })),
         }
@@ -284,12 +288,12 @@ impl<T: Topic> Publisher<T> {
         sent
     }
 
-    /// As [`Publisher::counted`], for a bus in memory; `None` means that a subscriber had no room.
-    fn sent(&self, delivered: Option<usize>) -> Result<usize, SendError> {
-        self.counted(delivered.ok_or(SendError::Blocked {
+    /// Returns the number of subscribers on a bus in memory; `None` means that one had no room.
+    fn sent(delivered: Option<usize>) -> Result<usize, SendError> {
+        delivered.ok_or(SendError::Blocked {
             topic: T::NAME,
             waited: Duration::ZERO,
-        }))
+        })
     }
 }
 

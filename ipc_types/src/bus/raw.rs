@@ -55,13 +55,18 @@ impl RawTopic {
             )?),
             Backend::Local(topics) => SendPort::Local(local::Sender::open(
                 topics.channel(self.facts, &bus.options)?,
+                bus.mute.borrow().clone(),
             )?),
+        };
+        let sequence = match &bus.backend {
+            Backend::Ipc { .. } => Rc::default(),
+            Backend::Local(topics) => topics.sequence(self.facts.name, options.source),
         };
         Ok(RawPublisher {
             facts: self.facts,
             port,
             options,
-            sequence: Cell::new(0),
+            sequence,
             turn: bus.turn.clone(),
             inbox: bus.inbox.borrow().clone(),
         })
@@ -114,7 +119,7 @@ pub struct RawPublisher {
     facts: &'static TopicFacts,
     port: SendPort,
     options: PublisherOptions,
-    sequence: Cell<u64>,
+    sequence: Rc<Cell<u64>>,
     turn: StepStart,
     /// That of the process; its messages belong to the tick of the inbox.
     inbox: Option<Rc<Inbox>>,
@@ -172,9 +177,7 @@ impl RawPublisher {
                 capacity: self.options.capacity,
             });
         }
-        self.put(header.as_bytes(), elements, count, true)?;
-        self.sequence.set(self.sequence.get() + 1);
-        Ok(())
+        self.put(header.as_bytes(), elements, count, true)
     }
 
     fn put(
@@ -185,9 +188,13 @@ impl RawPublisher {
         timed: bool,
     ) -> Result<(), SendError> {
         match &self.port {
-            SendPort::Ipc(port) => port.send(header, elements, count, timed).map(|_| ()),
+            SendPort::Ipc(port) => {
+                port.send(header, elements, count, timed)?;
+                self.sequence.set(self.sequence.get() + 1);
+                Ok(())
+            }
             SendPort::Local(port) => {
-                let sent = port.send(|message| {
+                let sent = port.send(&self.sequence, |message| {
                     message.fill(header.to_vec(), |own| own.extend_from_slice(elements));
                 });
                 sent.map(|_| ()).ok_or(SendError::Blocked {

@@ -43,6 +43,9 @@ pub struct LogInfo {
     /// Machine that recorded it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub machine: Option<String>,
+    /// Branches of the run: parent, moment and change of each; empty for a run without.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub branches: Vec<serde_json::Value>,
     /// Digest of the simulated history in this log; absent if the run was killed or the log does not contain the whole
     /// history.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -249,6 +252,10 @@ impl LogInfo {
             profile,
             scenario: manifest.remove("scenario"),
             seed: manifest.remove("seed").and_then(|seed| seed.parse().ok()),
+            branches: manifest
+                .remove(mcap_log::Origin::BRANCHES)
+                .and_then(|text| serde_json::from_str(&text).ok())
+                .unwrap_or_default(),
             mode: manifest.remove("mode"),
             version: manifest.remove("version"),
             machine: manifest.remove("machine"),

@@ -87,6 +87,14 @@ fn head(info: &LogInfo) -> String {
         _ if info.ours => line("digest", "none: the run did not reach its end"),
         _ => {}
     }
+    for branch in &info.branches {
+        let parent = branch["parent"].as_str().unwrap_or_default();
+        let at = time_text(branch["at_s"].as_f64().unwrap_or_default());
+        line(
+            "branch",
+            &format!("of {parent} from {at} s on, with {}", branch["change"]),
+        );
+    }
     let list = |map: &std::collections::BTreeMap<String, String>| {
         let entries = map.iter().filter(|(key, _)| *key != "faults");
         let entries: Vec<String> = entries.map(|(k, v)| format!("{k} {v}")).collect();

@@ -27,6 +27,9 @@ impl Origin {
     /// Name of the attachment with the processes and robots of the run.
     pub const RUN: &str = "run.json";
 
+    /// Key of the manifest for the branches of the run: a JSON list of changes, each from a tick on.
+    pub const BRANCHES: &str = "branches";
+
     /// Reads what precedes the messages of a log.
     ///
     /// # Errors

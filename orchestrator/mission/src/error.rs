@@ -160,6 +160,12 @@ pub enum InProcessError {
         /// Names of the processes.
         names: Vec<String>,
     },
+    /// A branch changes a process whose answers others may be waiting for.
+    #[error("process {name} answers requests: expected a change of a process that answers none")]
+    Answers {
+        /// Name of the process.
+        name: String,
+    },
     /// A process failed.
     #[error("process {name} failed {when}: {source}")]
     Process {

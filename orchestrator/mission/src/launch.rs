@@ -37,12 +37,17 @@ pub struct Launch {
 }
 
 impl Launch {
-    /// Returns its kind, if it is a kind of scenarios.
-    pub fn kind(&self) -> Option<&ConfiguredKind> {
+    /// Returns its program; `None` for the simulator.
+    pub(super) fn program(&self) -> Option<&Program> {
         match &self.role {
             Role::Simulator(_) => None,
-            Role::Process(program) => program.kind(),
+            Role::Process(program) => Some(program),
         }
+    }
+
+    /// Returns its kind, if it is a kind of scenarios.
+    pub fn kind(&self) -> Option<&ConfiguredKind> {
+        self.program()?.kind()
     }
 
     /// Returns `true` if it is known to write this flow.

@@ -33,6 +33,8 @@ pub(super) struct LogFile<'a> {
     pub(super) force: bool,
     /// `true` to write no note on the first log in `logs/`.
     pub(super) quiet: bool,
+    /// Text on the branches of the run.
+    pub(super) lineage: Option<&'a str>,
 }
 
 /// Starts recording a run, into a log if requested; the observer gets each message that is written to the log.
@@ -82,7 +84,11 @@ fn create_log(
         force: log.force,
         ..LogOptions::default()
     };
-    let manifest = manifest(scenario, run, plan);
+    let mut manifest = manifest(scenario, run, plan);
+    let lineage = log
+        .lineage
+        .map(|text| (Origin::BRANCHES.to_owned(), text.to_owned()));
+    manifest.entries.extend(lineage);
     let directory = presence::entry(Path::new(DIRECTORY)).map_err(MissionError::LogDirectory)?;
     if log.path.is_none() && !log.quiet && directory.is_none() {
         eprintln!("logs are written to ./{DIRECTORY}; --out FILE selects another place");

@@ -31,6 +31,10 @@ impl OutputFormat {
     /// Pictures.
     pub const PICTURE: Self =
         Self::new("pictures are SVG, PNG or PDF files", &["svg", "png", "pdf"]);
+    /// Curves.
+    pub const SVG: Self = Self::new("curves are SVG files", &["svg"]);
+    /// Tables of one file.
+    pub const CSV: Self = Self::new("the table is a CSV file", &["csv"]);
     /// Pictures of a dataflow.
     pub const GRAPH: Self = Self::new("graphs are SVG or Mermaid files", &["svg", "mmd", "md"]);
     /// Results of measurements and plans, instances.

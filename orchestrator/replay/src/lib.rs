@@ -1,7 +1,8 @@
 //! Repetition of a recorded run: [`replay()`] sends the messages of a log to any subscriber, [`verify()`] sends them to
-//! processes under test, and [`rerun()`] executes its scenario again. The latter two compare the result with the log.
+//! processes under test, and [`rerun()`] executes its scenario again, with its [branches](lineage). The latter two compare the result with the log.
 
 mod error;
+pub mod lineage;
 mod live_replay;
 pub mod origin;
 mod player;

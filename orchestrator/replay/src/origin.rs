@@ -73,7 +73,10 @@ pub(super) fn nothing_to_compare(log: &Path) -> LogReadError {
 }
 
 /// Refuses external programs that the user has not permitted.
-pub(super) fn refuse_external(
+///
+/// # Errors
+/// [`LogReadError::NotRepeatable`] names them.
+pub fn refuse_external(
     log: &Path,
     scenario: &ResolvedScenario,
     allowed: bool,

@@ -11,8 +11,9 @@ use serde::Serialize;
 use super::origin::{nothing_to_compare, refuse_external};
 use super::recorded::{ProcessExit, RecordedRun};
 use crate::ReplayError;
+use crate::lineage::{branch_points, branches};
 use crate::origin::scenario_of;
-use mission::in_process::{self, InProcessOptions};
+use mission::in_process::{self, Branch, InProcessOptions};
 use mission::{self, MissionError, MissionOptions, MissionReport};
 use platform::scratch::Scratch;
 use scenario::ResolvedScenario;
@@ -21,7 +22,7 @@ use scenario::kind::Kind;
 /// Options of a repetition.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct RerunOptions {
-    /// `true` to run all processes in this process.
+    /// `true` to run all processes in this process, as a branch always does.
     pub in_process: bool,
     /// `true` if external programs may be started.
     pub allow_external: bool,
@@ -80,6 +81,8 @@ pub fn rerun(
         kinds,
     )?;
     refuse_external(log, &scenario, options.allow_external)?;
+    let points = branch_points(&recorded.origin, log)?;
+    let branches = branches(&points, &scenario, kinds)?;
     let folder = Scratch::create().map_err(|source| MissionError::System {
         what: "a temporary directory: cannot be created".into(),
         source,
@@ -90,6 +93,7 @@ pub fn rerun(
         &again,
         Some(recorded.last_needed()),
         options.in_process,
+        branches,
         watch,
     )?;
     if report.interrupted {
@@ -122,7 +126,8 @@ pub fn rerun(
     })
 }
 
-/// Runs a scenario for a comparison, up to this tick: its log at `out` has the history alone.
+/// Runs a scenario for a comparison, up to this tick: its log at `out` has the history alone. With branches, all processes
+/// run in this process.
 ///
 /// # Errors
 /// As [`mission::run`](fn@mission::run) and [`in_process::run`].
@@ -131,17 +136,19 @@ pub fn run_again(
     out: &Path,
     last_tick: Option<u64>,
     in_process: bool,
+    branches: Vec<Branch>,
     watch: &ReadProgress,
 ) -> Result<MissionReport, MissionError> {
     scenario.log.viewer_rate_hz = 0.0;
     let (out, interrupted) = (Some(out.to_owned()), Arc::clone(&watch.interrupted));
-    if in_process {
+    if in_process || !branches.is_empty() {
         let options = InProcessOptions {
             out,
             last_tick,
             show: !watch.quiet,
             interrupted,
             libraries: true,
+            branches,
             ..InProcessOptions::default()
         };
         in_process::run(&scenario, &options)

@@ -28,6 +28,8 @@ struct CommandEntry {
 pub struct CommandBoard {
     drivers: Vec<Option<u32>>,
     holds: Vec<u64>,
+    /// Commands in place of the drivers', each before a tick.
+    given: Vec<Option<(Twist2, u64)>>,
     held: Vec<Option<CommandEntry>>,
     in_force: Vec<Option<Twist2>>,
     received_ns: u64,
@@ -40,6 +42,7 @@ impl CommandBoard {
         Self {
             drivers,
             holds: vec![0; robots],
+            given: vec![None; robots],
             held: vec![None; robots],
             in_force: vec![None; robots],
             received_ns: 0,
@@ -49,10 +52,22 @@ impl CommandBoard {
     /// Returns the board with commands that count for more ticks, by robot.
     #[must_use]
     pub fn holding(mut self, holds: &[u64]) -> Self {
+        self.hold(holds);
+        self
+    }
+
+    /// Lets commands count for more ticks, by robot.
+    pub fn hold(&mut self, holds: &[u64]) {
         for (own, hold) in self.holds.iter_mut().zip(holds) {
             *own = *hold;
         }
-        self
+    }
+
+    /// Gives a robot a command in place of its driver's, before tick `until`.
+    pub fn give(&mut self, robot: usize, twist: Twist2, until: u64) {
+        if let Some(given) = self.given.get_mut(robot) {
+            *given = Some((twist, until));
+        }
     }
 
     /// Accepts a command that arrived at `now_ns` (monotonic clock) during tick `tick`.
@@ -91,12 +106,13 @@ impl CommandBoard {
     /// Returns the commands in force at tick `tick`: those not older than `max_age` ticks (0 in
     /// lock-step: the command must answer this very state) and those that the robot holds.
     pub fn in_force(&mut self, tick: u64, max_age: u64) -> &[Option<Twist2>] {
-        let commands = self.held.iter().zip(&self.holds);
-        for (force, (held, hold)) in self.in_force.iter_mut().zip(commands) {
+        let commands = self.held.iter().zip(&self.holds).zip(&self.given);
+        for (force, ((held, hold), given)) in self.in_force.iter_mut().zip(commands) {
             let max_age = max_age.saturating_add(*hold);
-            *force = held
+            let given = given.filter(|(_, until)| tick < *until);
+            *force = given.map(|(twist, _)| twist).or(held
                 .filter(|h| h.stamp.tick.saturating_add(max_age) >= tick)
-                .map(|h| h.twist);
+                .map(|h| h.twist));
         }
         &self.in_force
     }
@@ -214,6 +230,23 @@ mod tests {
         assert_eq!(stopped(5), [false, false]);
         assert_eq!(stopped(9), [false, true]);
         assert_eq!(stopped(10), [true, true]);
+    }
+
+    #[test]
+    fn a_given_command_replaces_the_drivers_until_its_end() {
+        let mut board = CommandBoard::new(vec![Some(3)]);
+        board.give(0, Twist2::new(-0.5, 0.1), 7);
+        for tick in 5..9 {
+            board
+                .take(&stamp(tick, 3), &command(0, 1.0), tick, 0)
+                .unwrap();
+            let twist = if tick < 7 {
+                Twist2::new(-0.5, 0.1)
+            } else {
+                Twist2::new(1.0, 0.0)
+            };
+            assert_eq!(board.in_force(tick, 0), [Some(twist)], "tick {tick}");
+        }
     }
 
     #[test]

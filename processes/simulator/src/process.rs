@@ -10,6 +10,7 @@ use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use geometry::blur::BlurError;
+use geometry::pose::Twist2;
 use ipc_types::bus::{Bus, Inbox, Publisher, PublisherOptions, Subscriber};
 use ipc_types::clock::StampClock;
 use ipc_types::messages::robot::ScanHeader;
@@ -272,6 +273,23 @@ impl Simulator {
     /// The world.
     pub fn world(&self) -> &World {
         &self.world
+    }
+
+    /// Continues with other parameters from the current tick on ([`World::continue_by`]). The drivers and the schedule of
+    /// events stay.
+    ///
+    /// # Errors
+    /// [`ProcessError::Algorithm`]: a value is out of its range.
+    pub fn continue_by(&mut self, params: &SimulatorParams) -> Result<(), ProcessError> {
+        self.board.hold(&params.holds);
+        let continued = self.world.continue_by(&params.world);
+        continued.map_err(|error| ProcessError::Algorithm(error.to_string()))
+    }
+
+    /// Gives a robot a command in place of its driver's, from the current tick on, for a number of ticks.
+    pub fn give(&mut self, robot: usize, twist: Twist2, ticks: u64) {
+        let until = self.tick.saturating_add(ticks);
+        self.board.give(robot, twist, until);
     }
 
     /// Publishes all messages of the current tick, the state last; returns `true` if the game is

@@ -172,6 +172,25 @@ impl World {
         })
     }
 
+    /// Continues by another specification with the same map, robots, starts, goals, exits and accounting of the visited area:
+    /// its limits, imperfections, sensors, rules and seed count from now on.
+    ///
+    /// # Errors
+    /// As [`Self::new`], for a value out of its range.
+    pub fn continue_by(&mut self, spec: &WorldSpec) -> Result<(), WorldError> {
+        start::check_specs(&spec.robots, &spec.rules)?;
+        let robots = self.robots.iter_mut().zip(&mut self.extras);
+        for ((robot, extra), spec) in robots.zip(&spec.robots) {
+            robot.model = spec.model();
+            extra.actuator = (!spec.actuator.is_perfect()).then_some(spec.actuator);
+            extra.scan = spec.scan;
+            extra.odometry = spec.odometry;
+        }
+        self.rules.clone_from(&spec.rules);
+        self.seed = spec.seed;
+        Ok(())
+    }
+
     /// Advances the world by `dt`: robots execute their commands, then sensors and rules are updated, in
     /// a fixed order.
     ///

@@ -11,7 +11,7 @@ mod message;
 mod ports;
 
 use core::any::Any;
-use core::cell::RefCell;
+use core::cell::{Cell, RefCell};
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
@@ -24,6 +24,9 @@ use super::{BusError, BusOptions};
 use crate::schema;
 use crate::topics::{Service, TopicFacts};
 
+/// The number of messages of a sender, which its publishers count together: one may continue for another.
+type Sequence = Rc<Cell<u64>>;
+
 /// The topics of one run in memory.
 #[derive(Default)]
 pub struct LocalTopics {
@@ -31,6 +34,8 @@ pub struct LocalTopics {
     channels: RefCell<BTreeMap<&'static str, Rc<dyn Any>>>,
     /// Every service's [`Endpoint`], by its name.
     endpoints: RefCell<BTreeMap<&'static str, Rc<dyn Any>>>,
+    /// Number of messages so far, by topic and sender.
+    sequences: RefCell<BTreeMap<(&'static str, u32), Sequence>>,
 }
 
 impl LocalTopics {
@@ -51,6 +56,12 @@ impl LocalTopics {
             ours: format!("schema {}", schema::fingerprint(facts)),
             theirs: "another type of the same name".into(),
         })
+    }
+
+    /// Returns the counter of a topic and a sender.
+    pub(super) fn sequence(&self, topic: &'static str, source: u32) -> Sequence {
+        let mut sequences = self.sequences.borrow_mut();
+        Rc::clone(sequences.entry((topic, source)).or_default())
     }
 
     /// The endpoint of a service, created on the first request.

@@ -8,11 +8,14 @@
 //! Runs share only the data of their maps in [`InProcessOptions::cache`], so that each run may have its own
 //! thread.
 
+mod branches;
 mod libraries;
+mod local_run;
 pub mod placement;
 mod processes;
 mod stepped;
 
+pub use branches::{Branch, GivenCommand};
 pub use processes::LocalProcesses;
 pub use stepped::SteppedRun;
 
@@ -28,7 +31,7 @@ use ipc_types::stamp::Stamp;
 use ipc_types::topics::{ObstacleEvents, ProcessLog};
 use runtime::maps::Maps;
 
-use self::processes::LocalRun;
+use self::local_run::LocalRun;
 use super::error::{InProcessError, MissionError};
 use super::output_lines::MAX_TEXT_BYTES;
 use super::plan::Plan;
@@ -65,6 +68,10 @@ pub struct InProcessOptions {
     pub programs: BTreeMap<String, ConfiguredKind>,
     /// `true` if the libraries that the scenario names may be loaded into this program.
     pub libraries: bool,
+    /// Changes in the course of the run; their ticks ascend.
+    pub branches: Vec<Branch>,
+    /// Text on the branches for the log ([`mcap_log::Origin::BRANCHES`]).
+    pub lineage: Option<String>,
     /// Data that runs share; pass the same cache to all runs of a sweep, in any scenario and thread.
     pub cache: Arc<Cache>,
 }
@@ -136,12 +143,17 @@ fn execute(
 ) -> Result<MissionReport, MissionError> {
     let start = Instant::now();
     let plan = Plan::new(scenario, Path::new(""), "", "warn")?;
-    let bus = Bus::local(plan.run.bus_options());
+    let mut bus_options = plan.run.bus_options();
+    // A changed process has its ports beside the one whose place it will take.
+    bus_options.size.processes *= options.branches.len() + 1;
+    bus_options.size.robots *= options.branches.len() + 1;
+    let bus = Bus::local(bus_options);
     // The recorder's subscriptions must exist before the first message is sent.
     let log = options.out.as_deref().map(|path| LogFile {
         path: Some(path),
         force: options.force,
         quiet: !options.show,
+        lineage: options.lineage.as_deref(),
     });
     let digest_prefixes = options.cache.digest_prefixes();
     let recording = recording::create(scenario, &plan, log, digest_prefixes, None)?;
@@ -153,6 +165,8 @@ fn execute(
         MAX_TEXT_BYTES,
     ))?;
     let mut processes = LocalRun::open_with(&plan, programs, &bus, &options.cache.maps)?;
+    let maps = &options.cache.maps;
+    processes.add_branches(&plan, &options.branches, programs, &bus, maps)?;
     processes.connect()?;
     plan.send_obstacle_changes(&obstacles)?;
     for line in remark_lines(&plan, &options.remarks) {

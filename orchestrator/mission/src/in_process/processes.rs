@@ -1,28 +1,24 @@
 //! The processes of a run in one thread.
 
 use std::collections::BTreeMap;
-use std::sync::Arc;
 
 use ipc_types::bus::Bus;
 use runtime::declaration;
-use runtime::maps::Maps;
 use runtime::{Process, ProcessConfig, ProcessError};
 use scenario::kind::ConfiguredKind;
-use sim_backend::world::World;
-use simulator::process::Simulator;
 
 use super::super::error::InProcessError;
-use super::super::plan::{Launch, Plan};
+use super::super::plan::Launch;
 
 /// One process.
-struct LocalProcess {
-    name: String,
-    process: Box<dyn Process>,
+pub(super) struct LocalProcess {
+    pub(super) name: String,
+    pub(super) process: Box<dyn Process>,
 }
 
 /// Processes other than the simulator, in the order in which they step.
 pub struct LocalProcesses {
-    processes: Vec<LocalProcess>,
+    pub(super) processes: Vec<LocalProcess>,
     /// Number of processes that come before the first one with its own kind.
     early: usize,
 }
@@ -53,6 +49,12 @@ impl LocalProcesses {
         Ok(Self { processes, early })
     }
 
+    /// Takes processes in their order, none of them late.
+    pub(super) fn from_list(processes: Vec<LocalProcess>) -> Self {
+        let early = processes.len();
+        Self { processes, early }
+    }
+
     /// Connects all processes.
     ///
     /// # Errors
@@ -79,13 +81,13 @@ impl LocalProcesses {
     }
 
     /// Steps the processes that come before the first one with its own kind.
-    fn step_early(&mut self, tick: u64) -> Result<(), InProcessError> {
+    pub(super) fn step_early(&mut self, tick: u64) -> Result<(), InProcessError> {
         let (early, _) = self.processes.split_at_mut(self.early);
         each(early, Some(tick), |process| process.step(tick))
     }
 
     /// Steps the other processes.
-    fn step_late(&mut self, tick: u64) -> Result<(), InProcessError> {
+    pub(super) fn step_late(&mut self, tick: u64) -> Result<(), InProcessError> {
         let (_, late) = self.processes.split_at_mut(self.early);
         each(late, Some(tick), |process| process.step(tick))
     }
@@ -101,96 +103,7 @@ fn each(
     })
 }
 
-/// The simulator and the other processes.
-pub(super) struct LocalRun {
-    leader: String,
-    simulator: Simulator,
-    followers: LocalProcesses,
-}
-
-impl LocalRun {
-    /// Opens the ports of all processes, which share `maps`; `programs` run in the place of those with their names.
-    pub(super) fn open_with(
-        plan: &Plan,
-        programs: &BTreeMap<String, ConfiguredKind>,
-        bus: &Bus,
-        maps: &Arc<Maps>,
-    ) -> Result<Self, InProcessError> {
-        let Some((leader, params, followers)) = plan.split_simulator() else {
-            return Err(InProcessError::NoSimulator);
-        };
-        let simulator = Simulator::open(&leader.config, params, bus, Some(Arc::clone(maps)))
-            .map_err(|source| failed(&leader.config.name, None, source))?;
-        let mut followers = LocalProcesses::open_with(followers, programs, bus)?;
-        for follower in &mut followers.processes {
-            follower.process.share_maps(maps);
-        }
-        Ok(Self {
-            leader: leader.config.name.clone(),
-            simulator,
-            followers,
-        })
-    }
-
-    /// Connects all processes and sends the map.
-    pub(super) fn connect(&mut self) -> Result<(), InProcessError> {
-        self.followers.connect()?;
-        let connected = self.simulator.connect();
-        connected.map_err(|source| failed(&self.leader, None, source))
-    }
-
-    /// Lets all processes build their data of the map.
-    pub(super) fn prepare(&mut self) -> Result<(), InProcessError> {
-        self.followers.prepare()
-    }
-
-    /// Returns the current tick.
-    pub(super) fn tick(&self) -> u64 {
-        self.simulator.tick()
-    }
-
-    /// Executes the current tick except the step of the world: publishes the state, steps the processes, and takes
-    /// the commands. Returns `true` if the game is over; this last tick has no steps of processes.
-    pub(super) fn turn(&mut self) -> Result<bool, InProcessError> {
-        if self.sense()? {
-            return Ok(true);
-        }
-        self.act()?;
-        Ok(false)
-    }
-
-    /// Does the first part of [`Self::turn`]: publishes the state, and steps the processes before the first one with its
-    /// own kind.
-    pub(super) fn sense(&mut self) -> Result<bool, InProcessError> {
-        let tick = self.simulator.tick();
-        let published = self.simulator.publish();
-        if published.map_err(|source| failed(&self.leader, Some(tick), source))? {
-            return Ok(true);
-        }
-        self.followers.step_early(tick)?;
-        Ok(false)
-    }
-
-    /// Does the second part: steps the other processes, and takes the commands.
-    pub(super) fn act(&mut self) -> Result<(), InProcessError> {
-        let tick = self.simulator.tick();
-        self.followers.step_late(tick)?;
-        let taken = self.simulator.take_commands();
-        taken.map_err(|source| failed(&self.leader, Some(tick), source))
-    }
-
-    /// Returns the world.
-    pub(super) fn world(&self) -> &World {
-        self.simulator.world()
-    }
-
-    /// Steps the world to the next tick.
-    pub(super) fn advance(&mut self) {
-        self.simulator.advance(0);
-    }
-}
-
-fn failed(name: &str, tick: Option<u64>, source: ProcessError) -> InProcessError {
+pub(super) fn failed(name: &str, tick: Option<u64>, source: ProcessError) -> InProcessError {
     let name = name.to_owned();
     let when = tick.map_or_else(
         || "before the first tick".to_owned(),
@@ -200,7 +113,7 @@ fn failed(name: &str, tick: Option<u64>, source: ProcessError) -> InProcessError
     InProcessError::Process { name, when, source }
 }
 
-fn open_process(
+pub(super) fn open_process(
     launch: &Launch,
     program: Option<&ConfiguredKind>,
     bus: &Bus,
@@ -221,7 +134,7 @@ fn open_process(
 
 /// Sorts the followers so that every process comes after those whose messages of the same tick it needs, and those that
 /// are late after all that do not wait for them; otherwise keeps the order of the plan.
-fn order(
+pub(super) fn order(
     followers: &[Launch],
     is_late: impl Fn(&Launch) -> bool,
 ) -> Result<Vec<&Launch>, InProcessError> {
@@ -246,6 +159,7 @@ fn order(
 mod tests {
     use std::path::Path;
 
+    use super::super::super::plan::Plan;
     use super::*;
     use kinds::load;
 

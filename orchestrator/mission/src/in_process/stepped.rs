@@ -14,7 +14,7 @@ use sim_backend::world::World;
 use super::super::error::{InProcessError, MissionError};
 use super::super::plan::Plan;
 use super::Cache;
-use super::processes::LocalRun;
+use super::local_run::LocalRun;
 
 /// A run in one thread, tick by tick. Its history is that of [`run`](super::run) with the same scenario and kinds.
 ///

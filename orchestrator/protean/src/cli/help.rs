@@ -9,6 +9,7 @@ pub const HEADINGS: [(&str, &[&str]); 6] = [
         "Logs",
         &[
             "report", "picture", "info", "cat", "export", "recover", "replay", "verify", "diff",
+            "branch", "decided",
         ],
     ),
     ("Experiments", &["sweep", "reproduce"]),
@@ -93,7 +94,7 @@ mod tests {
             }
         }
         assert_eq!(listed, visible);
-        assert!(visible.len() <= 23, "too many commands to choose from");
+        assert!(visible.len() <= 25, "too many commands to choose from");
     }
 
     #[test]

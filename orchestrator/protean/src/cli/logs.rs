@@ -10,6 +10,7 @@ use platform::eprintln;
 
 use super::output::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, exit_code_of_mission};
 use super::run::handle_signals;
+use branch::BranchError;
 use replay::ReplayError;
 
 /// Selection of topics.
@@ -91,12 +92,25 @@ pub enum CommandError {
     /// The run cannot be replayed or verified.
     #[error(transparent)]
     Replay(#[from] ReplayError),
+    /// The run cannot be branched.
+    #[error(transparent)]
+    Branch(BranchError),
+}
+
+impl From<BranchError> for CommandError {
+    fn from(error: BranchError) -> Self {
+        match error {
+            BranchError::Replay(error) => Self::Replay(error),
+            other => Self::Branch(other),
+        }
+    }
 }
 
 impl CommandError {
     fn exit_code(&self) -> u8 {
         match self {
             Self::Log(error) | Self::Replay(ReplayError::Log(error)) => exit_code_of_read(error),
+            Self::Branch(_) => EXIT_FAILED,
             Self::Derived(error) => exit_code_of_derived(error),
             Self::Usage(_) => EXIT_INVALID,
             Self::Replay(ReplayError::Mission(error)) => exit_code_of_mission(error),

@@ -1,10 +1,12 @@
 //! The command line.
 
+mod branch;
 mod cat;
 mod check;
 mod clean;
 mod common;
 mod comparison_text;
+mod decided;
 mod diff;
 mod export;
 mod help;
@@ -106,6 +108,12 @@ enum Command {
     /// Name the first difference of two runs and the process behind it
     #[command(after_long_help = diff::HELP)]
     Diff(diff::DiffArgs),
+    /// Let the run of a log go on from a moment with a change
+    #[command(after_long_help = branch::HELP)]
+    Branch(branch::BranchArgs),
+    /// Find the moment from which on the outcomes of a run were settled
+    #[command(after_long_help = decided::HELP)]
+    Decided(decided::DecidedArgs),
     /// Run an experiment: many missions, one table of results
     #[command(
         args_conflicts_with_subcommands = true,
@@ -256,6 +264,8 @@ fn command(kinds: &'static [Kind], cli: Cli) -> ExitCode {
         Command::Replay(args) => replay::run(kinds, args),
         Command::Verify(args) => verify::run(kinds, &args),
         Command::Diff(args) => diff::run(kinds, &args),
+        Command::Branch(args) => branch::run(kinds, &args),
+        Command::Decided(args) => decided::run(kinds, &args),
         Command::Sweep(args) => sweep::sweep(kinds, &args),
         Command::Test(args) => test::run(kinds, &args),
         Command::Reproduce(args) => lab::execute("reproduce", &args),

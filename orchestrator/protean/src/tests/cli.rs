@@ -114,6 +114,9 @@ fn outputs(command: &Command, words: &[String], found: &mut Vec<(Vec<String>, Ve
     let required = command
         .get_positionals()
         .filter(|arg| arg.is_required_set());
+    let options = command.get_opts();
+    let options = options.filter(|arg| arg.is_required_set() && !is_output(arg));
+    let options = options.filter_map(Arg::get_long);
     let required: Vec<String> = required
         .map(|arg| {
             let values = arg.get_possible_values();
@@ -121,6 +124,7 @@ fn outputs(command: &Command, words: &[String], found: &mut Vec<(Vec<String>, Ve
                 .first()
                 .map_or_else(|| "x".to_owned(), |value| value.get_name().to_owned())
         })
+        .chain(options.map(|long| format!("--{long}=1")))
         .collect();
     for long in command
         .get_arguments()

@@ -8,6 +8,7 @@ use ipc_types::event_names::EventNames;
 use ipc_types::messages::observer::Prediction;
 use ipc_types::messages::robot::WaypointEnd;
 use ipc_types::messages::world::WorldEvent;
+use mcap_log::Origin;
 use mcap_log::output::RUN_DIGEST;
 use serde_json::{Value as Json, json};
 use statistics::Percentiles;
@@ -276,6 +277,8 @@ pub fn facts(content: &mut PageContent) -> Json {
         "scenario": manifest("scenario"),
         "seed": manifest("seed"),
         "mode": manifest("mode"),
+        "branches": manifest(Origin::BRANCHES)
+            .and_then(|text| serde_json::from_str::<Json>(&text).ok()),
         "version": manifest("version"),
         "machine": manifest("machine"),
         "digest": result("digest").filter(|_| content.over && content.condition.data),

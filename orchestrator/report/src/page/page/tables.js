@@ -50,6 +50,7 @@ const describe = (name, text) => {
 describe('scenario', facts.scenario);
 describe('seed', facts.seed);
 describe('simulated', `${timeText(facts.end_s)} s in ticks of ${+facts.tick_period_s.toPrecision(6)} s${facts.over ? '' : ' (not to its end)'}`);
+for (const b of facts.branches || []) describe('branch', `of ${b.parent} from ${timeText(b.at_s)} s on, with ${JSON.stringify(b.change)}`);
 describe('mode', facts.mode && words(facts.mode));
 describe('digest', facts.digest || (facts.run_digest ? `of the whole run: ${facts.run_digest}` : 'not in the log'));
 describe('version', facts.version);

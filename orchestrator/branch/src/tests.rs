@@ -1,0 +1,195 @@
+use std::path::{Path, PathBuf};
+
+use mcap_log::ReadProgress;
+use mission::in_process::{InProcessOptions, run};
+use replay::lineage::Change;
+use replay::{RerunOptions, rerun};
+
+use crate::{
+    BranchReport, ContinuationOptions, DecidedOptions, Parent, continuations, curve_svg, decided,
+};
+
+/// Records a mission into a folder; returns its log.
+fn record(folder: &Path, name: &str, set: &[&str]) -> PathBuf {
+    let log = folder.join(format!("{name}.mcap"));
+    let set: Vec<String> = set.iter().map(|&text| text.to_owned()).collect();
+    let options = InProcessOptions {
+        out: Some(log.clone()),
+        ..InProcessOptions::default()
+    };
+    run(&kinds::load(name, &set, Some(1)).unwrap(), &options).unwrap();
+    log
+}
+
+fn read(log: &Path) -> Parent {
+    Parent::read(log, kinds::KINDS, false, &mut ReadProgress::default()).unwrap()
+}
+
+fn branch(parent: &Parent, at_s: f64, change: &Change, out: &Path) -> BranchReport {
+    let tick = parent.tick(at_s).unwrap();
+    let mut watch = ReadProgress::default();
+    parent
+        .branch(tick, change, Some(out), true, &mut watch)
+        .unwrap()
+}
+
+fn strings(texts: &[&str]) -> Vec<String> {
+    texts.iter().map(|&text| text.to_owned()).collect()
+}
+
+#[test]
+fn a_branch_is_its_parent_before_the_moment_and_can_be_repeated_and_branched() {
+    let folder = tempfile::tempdir().unwrap();
+    let log = record(folder.path(), "chase", &["rules.time_limit=8"]);
+    let parent = read(&log);
+    let out = folder.path().join("branch.mcap");
+    let nothing = branch(&parent, 3.0, &Change::default(), &out);
+    assert_eq!(Some(&nothing.branch_digest), parent.info.digest.as_ref());
+    let changes = [
+        Change {
+            command: strings(&["police_1=-0.1,0.5"]),
+            for_s: Some(1.0),
+            ..Change::default()
+        },
+        Change {
+            set: strings(&["teams.police.limits.v_max=0.1"]),
+            ..Change::default()
+        },
+        Change {
+            set: strings(&["processes.perception.params.filter.particles=50"]),
+            ..Change::default()
+        },
+        Change {
+            replace: strings(&["evader_potential_evader_1=evader_reach_avoid"]),
+            ..Change::default()
+        },
+        Change {
+            reseed: strings(&["all"]),
+            seed: 3,
+            ..Change::default()
+        },
+    ];
+    for change in &changes {
+        let done = branch(&parent, 3.0, change, &out);
+        assert!(
+            done.same && done.messages > 100,
+            "{change:?}: {:?}",
+            done.comparison.first
+        );
+        assert_ne!(done.branch_digest, nothing.branch_digest, "{change:?}");
+        let mut watch = ReadProgress::default();
+        let first = diff::diff(&log, &out, &mut watch).unwrap().comparison.first;
+        let tick = first.unwrap().tick();
+        assert!(tick >= parent.tick(3.0).unwrap(), "{change:?}: tick {tick}");
+        // The log alone is enough to execute it again, and to branch it.
+        let again = rerun(&out, kinds::KINDS, RerunOptions::default(), &mut watch).unwrap();
+        assert!(again.same && again.whole, "{change:?}");
+        let child = folder.path().join("child.mcap");
+        let more = branch(&read(&out), 5.0, &changes[4], &child);
+        assert!(more.same, "{change:?}: {:?}", more.comparison.first);
+        let again = rerun(&child, kinds::KINDS, RerunOptions::default(), &mut watch).unwrap();
+        assert!(
+            again.same && again.digest == more.branch_digest,
+            "{change:?}"
+        );
+    }
+}
+
+#[test]
+fn moments_and_changes_that_no_run_can_take_are_refused_with_their_values() {
+    let folder = tempfile::tempdir().unwrap();
+    let log = record(folder.path(), "chase_exact", &["rules.time_limit=2"]);
+    let parent = read(&log);
+    for at_s in [0.01, -1.0, 2.0, f64::NAN] {
+        let error = parent.tick(at_s).unwrap_err().to_string();
+        assert!(
+            error.contains("expected a multiple of 0.05 s from 0.00"),
+            "{error}"
+        );
+    }
+    let change = |set: &[&str], replace: &[&str], command: &[&str], reseed: &[&str]| Change {
+        set: strings(set),
+        replace: strings(replace),
+        command: strings(command),
+        reseed: strings(reseed),
+        ..Change::default()
+    };
+    for (change, word) in [
+        (
+            change(&["rules.time_limit=2"], &[], &[], &[]),
+            "changes nothing",
+        ),
+        (
+            change(&["robots.police_1.start.x=0"], &[], &[], &[]),
+            "starts",
+        ),
+        (
+            change(&["robots.police_1.radius=0.05"], &[], &[], &[]),
+            "radii",
+        ),
+        (change(&["run.seed=2"], &[], &[], &[]), "a key of `run`"),
+        (change(&["world.blur_sigma=0.1"], &[], &[], &[]), "the map"),
+        (change(&["rules.nothing=1"], &[], &[], &[]), "--set"),
+        (
+            change(&[], &["unknown=pursuer"], &[], &[]),
+            "--replace unknown=pursuer",
+        ),
+        (
+            change(&[], &[], &["police_1=0.1"], &[]),
+            "expected ROBOT=V,OMEGA",
+        ),
+        (change(&[], &[], &["unknown=0,0"], &[]), "police_1"),
+        (change(&[], &[], &[], &["unknown"]), "expected all"),
+    ] {
+        let out = folder.path().join("refused.mcap");
+        let mut watch = ReadProgress::default();
+        let error = parent
+            .branch(10, &change, Some(&out), false, &mut watch)
+            .unwrap_err();
+        assert!(error.to_string().contains(word), "{error}");
+    }
+}
+
+#[test]
+fn the_share_of_an_outcome_reaches_one_before_it_happens() {
+    let folder = tempfile::tempdir().unwrap();
+    let log = record(folder.path(), "chase_exact", &[]);
+    let parent = read(&log);
+    let watch = ReadProgress::default();
+    parent.verify(&watch).unwrap();
+    let change = Change {
+        reseed: strings(&["all"]),
+        ..Change::default()
+    };
+    let run = ContinuationOptions {
+        jobs: 2,
+        ..ContinuationOptions::default()
+    };
+    let late = parent.last - 2;
+    let robots = continuations(&parent, late, &change, 3, &run, &watch).unwrap();
+    for robot in &robots {
+        assert_eq!(
+            robot.outcomes.iter().map(|share| share.count).sum::<u64>(),
+            3
+        );
+        assert_eq!(robot.outcomes[0].outcome, robot.recorded, "{robot:?}");
+    }
+    let options = DecidedOptions {
+        moments: 4,
+        times: 2,
+        threshold: 0.6,
+        change,
+        jobs: 2,
+    };
+    let report = decided(&parent, &options, &watch).unwrap();
+    assert!(report.moments.is_sorted_by(|a, b| a.time_s < b.time_s));
+    assert_eq!(report.decisions.len(), 2);
+    for decision in &report.decisions {
+        let [low, high] = decision.between_s.unwrap_or([0.0, 0.0]);
+        assert!(high - low <= 1.0 && high < decision.time_s, "{decision:?}");
+    }
+    let picture = curve_svg(&report);
+    assert_eq!(picture.matches("<polyline").count(), 2);
+    let again = decided(&parent, &DecidedOptions { jobs: 1, ..options }, &watch).unwrap();
+    assert_eq!(again, report);
+}

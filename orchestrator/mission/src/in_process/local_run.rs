@@ -1,0 +1,142 @@
+//! The simulator and the other processes of a run in one thread, tick by tick.
+
+use std::collections::{BTreeMap, VecDeque};
+use std::sync::Arc;
+
+use ipc_types::bus::Bus;
+use runtime::maps::Maps;
+use scenario::kind::ConfiguredKind;
+use sim_backend::world::World;
+use simulator::process::Simulator;
+
+use super::super::error::{InProcessError, MissionError};
+use super::super::plan::Plan;
+use super::branches::{Branch, PreparedBranch, prepared};
+use super::processes::{LocalProcesses, failed};
+
+/// The simulator and the other processes.
+pub(super) struct LocalRun {
+    leader: String,
+    simulator: Simulator,
+    followers: LocalProcesses,
+    branches: VecDeque<PreparedBranch>,
+}
+
+impl LocalRun {
+    /// Opens the ports of all processes, which share `maps`; `programs` run in the place of those with their names.
+    pub(super) fn open_with(
+        plan: &Plan,
+        programs: &BTreeMap<String, ConfiguredKind>,
+        bus: &Bus,
+        maps: &Arc<Maps>,
+    ) -> Result<Self, InProcessError> {
+        let Some((leader, params, followers)) = plan.split_simulator() else {
+            return Err(InProcessError::NoSimulator);
+        };
+        let simulator = Simulator::open(&leader.config, params, bus, Some(Arc::clone(maps)))
+            .map_err(|source| failed(&leader.config.name, None, source))?;
+        let mut followers = LocalProcesses::open_with(followers, programs, bus)?;
+        for follower in &mut followers.processes {
+            follower.process.share_maps(maps);
+        }
+        Ok(Self {
+            leader: leader.config.name.clone(),
+            simulator,
+            followers,
+            branches: VecDeque::new(),
+        })
+    }
+
+    /// Opens the changed processes of branches, whose ticks ascend.
+    ///
+    /// # Errors
+    /// As [`prepared`].
+    pub(super) fn add_branches(
+        &mut self,
+        plan: &Plan,
+        branches: &[Branch],
+        programs: &BTreeMap<String, ConfiguredKind>,
+        bus: &Bus,
+        maps: &Arc<Maps>,
+    ) -> Result<(), MissionError> {
+        self.branches = prepared(plan, branches, programs, bus, maps)?;
+        Ok(())
+    }
+
+    /// Begins the branches of the current tick.
+    fn begin_branches(&mut self) -> Result<(), InProcessError> {
+        let tick = self.tick();
+        while self.branches.front().is_some_and(|next| next.tick <= tick)
+            && let Some(branch) = self.branches.pop_front()
+        {
+            let begun = branch.begin(&mut self.simulator, &mut self.followers);
+            begun.map_err(|source| failed(&self.leader, Some(tick), source))?;
+        }
+        Ok(())
+    }
+
+    /// Connects all processes and sends the map.
+    pub(super) fn connect(&mut self) -> Result<(), InProcessError> {
+        self.followers.connect()?;
+        for branch in &mut self.branches {
+            branch.changed.connect()?;
+        }
+        let connected = self.simulator.connect();
+        connected.map_err(|source| failed(&self.leader, None, source))
+    }
+
+    /// Lets all processes build their data of the map.
+    pub(super) fn prepare(&mut self) -> Result<(), InProcessError> {
+        self.followers.prepare()?;
+        let mut branches = self.branches.iter_mut();
+        branches.try_for_each(|branch| branch.changed.prepare())
+    }
+
+    /// Returns the current tick.
+    pub(super) fn tick(&self) -> u64 {
+        self.simulator.tick()
+    }
+
+    /// Executes the current tick except the step of the world: publishes the state, steps the processes, and takes
+    /// the commands. Returns `true` if the game is over; this last tick has no steps of processes.
+    pub(super) fn turn(&mut self) -> Result<bool, InProcessError> {
+        if self.sense()? {
+            return Ok(true);
+        }
+        self.act()?;
+        Ok(false)
+    }
+
+    /// Does the first part of [`Self::turn`]: publishes the state, and steps the processes before the first one with its
+    /// own kind.
+    pub(super) fn sense(&mut self) -> Result<bool, InProcessError> {
+        self.begin_branches()?;
+        let tick = self.simulator.tick();
+        let published = self.simulator.publish();
+        if published.map_err(|source| failed(&self.leader, Some(tick), source))? {
+            return Ok(true);
+        }
+        self.followers.step_early(tick)?;
+        Ok(false)
+    }
+
+    /// Does the second part: steps the other processes, and takes the commands.
+    pub(super) fn act(&mut self) -> Result<(), InProcessError> {
+        let tick = self.simulator.tick();
+        self.followers.step_late(tick)?;
+        let taken = self.simulator.take_commands();
+        taken.map_err(|source| failed(&self.leader, Some(tick), source))?;
+        let mut branches = self.branches.iter_mut();
+        branches.try_for_each(|branch| branch.changed.step(tick))
+    }
+
+    /// Returns the world.
+    pub(super) fn world(&self) -> &World {
+        self.simulator.world()
+    }
+
+    /// Steps the world to the next tick.
+    pub(super) fn advance(&mut self) {
+        self.simulator.advance(0);
+    }
+}

@@ -1,0 +1,262 @@
+//! Branches of a run: the changes that its log names, and the run with them.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use config::{Node, Origin as TextOrigin};
+use geometry::pose::Twist2;
+use mcap_log::{LogReadError, Origin};
+use mission::MissionError;
+use mission::in_process::{Branch, GivenCommand};
+use mission::plan::Plan;
+use rand::Rng as _;
+use runtime::declaration::Flow;
+use scenario::files::Base;
+use scenario::kind::{Kind, find};
+use scenario::{Loader, Program, ResolvedScenario};
+use serde::{Deserialize, Serialize};
+
+use crate::ReplayError;
+
+/// Name that stands for all processes.
+pub const ALL: &str = "all";
+
+/// Change of a run from a moment on, as on the command line.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Change {
+    /// Overrides of the scenario in the log, in the form of `--set`; `teams.TEAM.limits.…` stands for all its robots.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub set: Vec<String>,
+    /// Processes with other kinds: `PROCESS=KIND`, with the default parameters of the kind.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub replace: Vec<String>,
+    /// Commands in place of those of the planners: `ROBOT=V,OMEGA` (m/s, rad/s).
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub command: Vec<String>,
+    /// Time for which the commands count (s), > 0; `None`: to the end.
+    #[serde(rename = "for", skip_serializing_if = "Option::is_none")]
+    pub for_s: Option<f64>,
+    /// Names of the processes with other random streams, or [`ALL`].
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub reseed: Vec<String>,
+    /// Number of these streams.
+    pub seed: u64,
+}
+
+/// A branch that a log names: its run follows the parent up to the tick.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct BranchPoint {
+    /// Name of the parent's file.
+    pub parent: String,
+    /// Digest of the parent; absent if its run did not reach its end.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub digest: Option<String>,
+    /// First tick with the change.
+    pub tick: u64,
+    /// Its simulated time (s).
+    pub at_s: f64,
+    /// The change.
+    pub change: Change,
+}
+
+/// Returns the branches that a log names, oldest first; none for a run without.
+///
+/// # Errors
+/// [`LogReadError`]: they are of another version.
+pub fn branch_points(origin: &Origin, log: &Path) -> Result<Vec<BranchPoint>, LogReadError> {
+    let Some(text) = origin.manifest.get(Origin::BRANCHES) else {
+        return Ok(Vec::new());
+    };
+    serde_json::from_str(text).map_err(|source| LogReadError::NotRepeatable {
+        path: log.to_owned(),
+        reason: format!("its branches cannot be read: {source}"),
+    })
+}
+
+/// Returns the changes of a run at these points, for its execution in one thread.
+///
+/// # Errors
+/// [`ReplayError`] names the option and its value, or the part of the scenario that no branch can change.
+pub fn branches(
+    points: &[BranchPoint],
+    scenario: &ResolvedScenario,
+    kinds: &[Kind],
+) -> Result<Vec<Branch>, ReplayError> {
+    let mut now = scenario.clone();
+    let mut branches = Vec::new();
+    for point in points {
+        let change = &point.change;
+        now = changed(now, change, kinds)?;
+        let commands = change.command.iter().map(|text| {
+            let refused = || {
+                let robots: Vec<_> = now.world.robots.iter().map(|robot| &*robot.name).collect();
+                let robots = robots.join(", ");
+                argument(format!(
+                    "--command {text}: expected ROBOT=V,OMEGA (m/s, rad/s) with ROBOT one of {robots}"
+                ))
+            };
+            given_command(text, change.for_s, &now).ok_or_else(refused)
+        });
+        branches.push(Branch {
+            tick: point.tick,
+            commands: commands.collect::<Result<_, _>>()?,
+            seeds: seeds(change, &now)?,
+            scenario: now.clone(),
+        });
+    }
+    Ok(branches)
+}
+
+fn argument(text: String) -> LogReadError {
+    LogReadError::Argument(text)
+}
+
+fn given_command(text: &str, for_s: Option<f64>, now: &ResolvedScenario) -> Option<GivenCommand> {
+    let (robot, command) = text.split_once('=')?;
+    let (v, omega) = command.split_once(',')?;
+    let twist = Twist2::new(v.trim().parse().ok()?, omega.trim().parse().ok()?);
+    let ticks = for_s.map_or(u64::MAX, |for_s| (for_s / now.run.dt).round() as u64);
+    let robot = now.world.robots.iter().position(|own| own.name == robot)?;
+    twist.is_command().then_some(GivenCommand {
+        robot,
+        twist,
+        ticks,
+    })
+}
+
+/// Returns the seeds of the processes with other random streams. A process whose links lose messages keeps its own, from
+/// which the losses follow, and so does one that answers requests.
+fn seeds(change: &Change, now: &ResolvedScenario) -> Result<BTreeMap<String, u64>, ReplayError> {
+    let plan = Plan::new(now, Path::new(""), "", "warn").map_err(MissionError::from)?;
+    let launches = plan.launches.iter().filter(|launch| {
+        let mut outputs = launch.declaration.iter().flat_map(|d| &d.outputs);
+        launch.config.links.iter().all(|link| link.loss <= 0.0)
+            && !outputs.any(|output| matches!(output.flow, Flow::Answers(_)))
+    });
+    let names: Vec<&str> = launches.map(|launch| &*launch.config.name).collect();
+    let mut reseeded = Vec::new();
+    for wanted in &change.reseed {
+        if wanted == ALL {
+            reseeded.extend(names.iter().copied());
+        } else if names.contains(&wanted.as_str()) {
+            reseeded.push(wanted);
+        } else {
+            return Err(argument(format!(
+                "--reseed {wanted}: expected {ALL} or a process without losses on its links that answers no requests, \
+                 one of {}",
+                names.join(", ")
+            ))
+            .into());
+        }
+    }
+    let purpose = format!("branch {}", change.seed);
+    let seed = |name: &str| runtime::seed::stream(now.run.seed, name, "", &purpose).next_u64();
+    let seeds = reseeded
+        .into_iter()
+        .map(|name| (name.to_owned(), seed(name)));
+    Ok(seeds.collect())
+}
+
+/// Returns the scenario with the overrides and kinds of a change.
+fn changed(
+    now: ResolvedScenario,
+    change: &Change,
+    kinds: &[Kind],
+) -> Result<ResolvedScenario, LogReadError> {
+    if change.set.is_empty() && change.replace.is_empty() {
+        return Ok(now);
+    }
+    let mut draft = now.clone();
+    for text in &change.replace {
+        let (name, kind) = text.split_once('=').unwrap_or((text, ""));
+        let process = draft.processes.iter_mut().find(|p| p.name == name);
+        let kind = find(kinds, kind);
+        let params = Node::empty_table(TextOrigin::Implied);
+        let (Some(process), Some(Ok(kind))) = (process, kind.map(|kind| kind.read(&params))) else {
+            let names: Vec<_> = now.processes.iter().map(|p| &*p.name).collect();
+            let names = names.join(", ");
+            return Err(argument(format!(
+                "--replace {text}: expected PROCESS=KIND with a kind of `protean list` that needs no parameters and PROCESS \
+                 one of {names}"
+            )));
+        };
+        process.program = Program::Kind(kind);
+    }
+    let set: Vec<String> = change
+        .set
+        .iter()
+        .flat_map(|text| of_robots(text, &now))
+        .collect();
+    let loader = Loader::new(kinds);
+    let (text, option) = (
+        draft.to_toml(),
+        if set.is_empty() { "--replace" } else { "--set" },
+    );
+    let mut next = loader
+        .load_text("scenario.toml", &text, &Base::Nothing, &set, None)
+        .map_err(|problems| argument(format!("{option}:\n{problems}")))?;
+    let place = |name: &str| now.processes.iter().position(|own| own.name == name);
+    next.processes.sort_by_key(|process| place(&process.name));
+    let texts = [&change.set[..], &change.replace].concat().join(" ");
+    if next == now {
+        return Err(argument(format!(
+            "{option} {texts}: changes nothing: expected another value; in a log each robot has its limits (robots.NAME.…) \
+             and each process its parameters (processes.NAME.params.…)"
+        )));
+    }
+    if let Some(what) = fixed_part(&now, &next) {
+        return Err(argument(format!(
+            "{option} {texts}: changes {what}: expected parameters of processes, limits, imperfections and noise of robots, \
+             or rules; `protean diff LOG --set-b …` runs the whole mission with any change"
+        )));
+    }
+    Ok(next)
+}
+
+/// Returns an override of a team's limits as those of its robots, others as they are.
+fn of_robots(text: &str, now: &ResolvedScenario) -> Vec<String> {
+    let of_team = || {
+        let (team, rest) = text.strip_prefix("teams.")?.split_once(".limits.")?;
+        let robots = now.world.robots.iter().filter(|robot| robot.team == team);
+        let keys = robots.map(|robot| format!("robots.{}.limits.{rest}", robot.name));
+        Some(keys.collect())
+    };
+    of_team().unwrap_or_else(|| vec![text.to_owned()])
+}
+
+/// Returns what differs of that which no branch can change.
+fn fixed_part(a: &ResolvedScenario, b: &ResolvedScenario) -> Option<&'static str> {
+    let (x, y) = (&a.world, &b.world);
+    let robots = || {
+        let mut pairs = x.robots.iter().zip(&y.robots);
+        x.robots.len() == y.robots.len()
+            && pairs.all(|(p, q)| {
+                let scans = [p, q].map(|robot| robot.scan.as_ref().map(|scan| scan.beams));
+                (&p.name, &p.team, p.role(), &p.hostile_to)
+                    == (&q.name, &q.team, q.role(), &q.hostile_to)
+                    && (p.start, p.goal, p.model().radius) == (q.start, q.goal, q.model().radius)
+                    && scans[0] == scans[1]
+            })
+    };
+    let processes = || {
+        let mut pairs = a.processes.iter().zip(&b.processes);
+        a.processes.len() == b.processes.len()
+            && pairs.all(|(p, q)| (&p.name, &p.robots) == (&q.name, &q.robots))
+    };
+    if x.map != y.map || a.blur_sigma != b.blur_sigma {
+        Some("the map")
+    } else if !robots() {
+        Some("the robots, or their teams, starts, radii, goals or beams")
+    } else if x.rules.exits != y.rules.exits || x.rules.coverage != y.rules.coverage {
+        Some("the exits or the accounting of the visited area")
+    } else if !processes() {
+        Some("the set of processes, or their robots")
+    } else if a.events != b.events || a.links != b.links {
+        Some("the events or the links")
+    } else if a.run != b.run {
+        Some("a key of `run`")
+    } else {
+        None
+    }
+}
