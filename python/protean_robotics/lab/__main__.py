@@ -3,10 +3,10 @@
 import signal
 import sys
 
-from . import beliefs, figures, maps, reproduce
+from . import beliefs, figures, maps, reproduce, worlds
 
 #: Commands by their names.
-_COMMANDS = {"beliefs": beliefs.main, "figures": figures.main, "maps": maps.main, "reproduce": reproduce.main}
+_COMMANDS = {"beliefs": beliefs.main, "figures": figures.main, "maps": maps.main, "reproduce": reproduce.main, "worlds": worlds.main}
 
 
 def _main() -> int:
