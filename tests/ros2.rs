@@ -313,6 +313,7 @@ fn a_robot_of_ros_2_is_steered_and_stops_without_odometry() {
     let robot: Json = serde_json::from_slice(&robot.stdout).unwrap();
     assert_eq!(robot["stopped"], true, "{robot} {stopped}");
     let history = History::read(&sandbox.path().join("stopped.mcap"));
-    let last = &history.states.last().unwrap().robots[0];
-    assert!(last.x < 1.6 && last.fail_safe, "{last:?}");
+    let states = history.states.iter().map(|state| &state.robots[0]);
+    assert!(states.clone().all(|state| state.x < 1.7));
+    assert!(states.clone().any(|state| state.fail_safe));
 }

@@ -143,7 +143,7 @@ mod tests {
         assert!((50.0..53.0).contains(&back_s), "{back_s} s");
         let spins = |t: f64| Some(seen(0.0, t));
         assert_eq!(changes(spins), [(STOOD_S, false)]);
-        let circles = |t: f64| Some(seen(0.3 * geometry::math::sincos(t).0, 0.0));
+        let circles = |t: f64| Some(seen(0.15 * geometry::math::sincos(t).0, 0.0));
         assert_eq!(changes(circles).len(), 1);
         let leaves = |t: f64| Some(seen(0.2 * t, 0.0)).filter(|_| !(10.0..20.0).contains(&t));
         assert_eq!(changes(leaves), [(10.0, false), (20.0, true)]);

@@ -17,7 +17,7 @@ _RUNS = (
 )
 #: Mean time between two visits of a node by strategy, four robots on the map `grid` (s): "Avg Avg Graph Idl" after ten cycles of each
 #: run in `results/grid_*_4.xls` of github.com/davidbsp/patrolling_sim, commit 5eb6f959; with the name there.
-PUBLISHED = {
+PUBLISHED: dict[str, tuple[str, tuple[float, ...]]] = {
     "conscientious_reactive": ("CR", (62.67, 64.37, 60.06, 57.98, 57.29)),
     "heuristic_reactive": ("HCR", (63.46, 69.08, 57.70)),
     "heuristic_pathfinder": ("HPCC", (56.29, 55.55, 58.17)),
