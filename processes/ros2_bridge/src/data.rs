@@ -10,7 +10,7 @@ use ros_messages::messages::{
 };
 use runtime::declaration::Flow;
 use runtime::inputs::{BeliefInput, MapInput, ScanInput, StateInput};
-use runtime::raw_inputs::RawInputs;
+use runtime::raw_inputs::{RawInput, RawInputs};
 use runtime::{ProcessConfig, ProcessError};
 
 use crate::convert;
@@ -104,7 +104,7 @@ impl RunTopics {
         read.sort_unstable();
         read.dedup();
         let others = RawInputs::open(&read, config, bus)?;
-        let named = others.topics().iter().map(|input| input.topic());
+        let named = others.topics().iter().map(RawInput::topic);
         let named = named.filter(|topic| params.topics.iter().any(|name| name == topic.name()));
         let named = named
             .map(|topic| NamedTopic::open(session, topic))

@@ -47,7 +47,7 @@ struct Source {
 
 /// The robots of a run that are outside of the simulation.
 pub struct Sources {
-    sources: Vec<Source>,
+    robots: Vec<Source>,
     transforms: RosSubscription<TFMessage>,
     /// Frames in the map: that of the odometry of a robot that has one.
     in_map: Vec<(String, Pose2)>,
@@ -107,7 +107,7 @@ impl Sources {
             poses: bus.publisher(PublisherOptions::new(config.index, sources.len()))?,
             start_timeout: Duration::from_secs_f64(params.start_timeout_s),
             deadline: Duration::from_secs_f64(params.source_deadline_s),
-            sources,
+            robots: sources,
         }))
     }
 
@@ -127,7 +127,7 @@ impl Sources {
     /// [`BridgeError::NoOdometry`]; [`BridgeError::Transfer`].
     pub fn wait(&mut self) -> Result<(), BridgeError> {
         let until = Instant::now() + self.start_timeout;
-        for source in &mut self.sources {
+        for source in &mut self.robots {
             let first = source.odometry.wait(until)?;
             let first = first.ok_or_else(|| BridgeError::NoOdometry {
                 topic: source.topic.clone(),
@@ -154,7 +154,7 @@ impl Sources {
             }
         }
         let mut poses = Vec::new();
-        for source in &mut self.sources {
+        for source in &mut self.robots {
             while let Some(odometry) = source.odometry.take()? {
                 source.measured = Some((odometry, Instant::now()));
                 source.is_sent = false;
@@ -181,7 +181,7 @@ impl Sources {
         loop {
             while let Some(message) = self.commands.receive()? {
                 for command in message.elements() {
-                    let mut sources = self.sources.iter_mut();
+                    let mut sources = self.robots.iter_mut();
                     if let Some(source) = sources.find(|source| source.index == command.robot) {
                         let tick = message.header().stamp.tick;
                         source.command = Some((tick, *command, Instant::now()));
@@ -189,12 +189,12 @@ impl Sources {
                 }
             }
             let is_new = |source: &Source| source.command.is_some_and(|(of, ..)| of >= tick);
-            if self.sources.iter().all(is_new) || Instant::now() >= until {
+            if self.robots.iter().all(is_new) || Instant::now() >= until {
                 break;
             }
             std::thread::sleep(LOOK);
         }
-        for source in &mut self.sources {
+        for source in &mut self.robots {
             source.send(self.deadline, stamp)?;
         }
         Ok(())

@@ -43,9 +43,12 @@ impl Default for Reference {
     }
 }
 
+/// Function that generates the schema of a type.
+type SchemaOf = fn(&mut SchemaGenerator) -> Schema;
+
 impl Reference {
     /// Returns the sections as Markdown, each with a heading and the type of the schema that a function generates.
-    pub fn of(sections: &[(&str, fn(&mut SchemaGenerator) -> Schema)]) -> String {
+    pub fn of(sections: &[(&str, SchemaOf)]) -> String {
         let mut reference = Self::default();
         for (heading, schema) in sections {
             reference.add(heading, "", schema);
