@@ -2,7 +2,7 @@
 //!
 //! * [`Parent`] is the run in the log, with the branches that it is itself; [`Parent::branch`] records a branch and compares
 //!   what precedes it with the log;
-//! * [`continuations`] repeats a branch with other random streams, and counts the outcomes;
+//! * [`fn@continuations`] repeats a branch with other random streams, and counts the outcomes;
 //! * [`decided()`] does so at many moments, and finds the one from which on an outcome was settled; [`curve_svg`] draws it.
 
 mod continuations;
