@@ -2,12 +2,15 @@
 
 use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
+use std::time::Instant;
 
+use rustix::process::{Pid, PidfdFlags, Signal};
 use serde_json::Value as Json;
 
-use crate::support::call::Call;
+use crate::support::call::{Call, wait};
 use crate::support::history::{History, Order};
-use crate::support::{Sandbox, python, skipped};
+use crate::support::sandbox::signal;
+use crate::support::{SOON, Sandbox, python, skipped};
 
 /// ROS 2 Kilted in wheels: `rclpy` with Fast DDS, and its messages.
 const KILTED: &[&str] = &[
@@ -43,13 +46,19 @@ answer_timeout_s = 8.0
 start_timeout_s = 50.0
 "#;
 
-/// A node that is killed at the end.
+/// A node that is ended with its test.
 struct RosNode(Child);
 
 impl Drop for RosNode {
+    /// Fast DDS removes its shared memory at an orderly end alone.
     fn drop(&mut self) {
+        let pid = Pid::from_child(&self.0);
+        let open = rustix::process::pidfd_open(pid, PidfdFlags::empty());
         // It may have ended by itself.
-        let _ = self.0.kill();
+        signal(self.0.id(), Signal::TERM);
+        if !open.is_ok_and(|node| wait(&node, Instant::now() + SOON)) {
+            let _ = self.0.kill();
+        }
         self.0.wait().unwrap();
     }
 }

@@ -58,6 +58,8 @@ mod tests {
     use core::time::Duration;
     use std::time::Instant;
 
+    use async_io::Timer;
+    use futures_lite::future;
     use ipc_types::cdr;
     use ipc_types::messages::world::WorldEvent;
     use ipc_types::stamp::PlainHeader;
@@ -130,11 +132,15 @@ mod tests {
         let message = loop {
             // The reader may not be found yet.
             writer.send(&bytes).unwrap();
-            if let Some((message, _)) = reader.take().unwrap() {
+            let message = async { Some(reader.async_take().await.unwrap().0) };
+            let again = async {
+                Timer::after(Duration::from_millis(100)).await;
+                None
+            };
+            if let Some(message) = async_io::block_on(future::or(message, again)) {
                 break message;
             }
             assert!(Instant::now() < until, "no message");
-            std::thread::sleep(Duration::from_millis(10));
         };
         assert_eq!(message.stamp.tick, 7);
         let expected = [4, 5].map(|robot| EventFields {
