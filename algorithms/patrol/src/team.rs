@@ -10,6 +10,7 @@
 //! - A robot out of play, or one that is away and counts as [lost](Stay), takes part no more. One that drives on
 //!   takes part again, at the place nearest to it.
 //! - With each such change the places are divided again. Their order remains, and no place moves back.
+//! - Waypoints that a robot covers that stands and does not take part are left out.
 
 use planner_view::stay::Stay;
 use planner_view::view::{RobotView, View};
@@ -170,6 +171,13 @@ impl Team {
         let is_early = (waypoint.point - own.pose.position()).norm() < rest_s * v;
         let is_there = self.member(own.index).is_some_and(|m| !m.is_away);
         self.waits && is_there && is_early
+    }
+
+    /// Returns `true` if a robot of the view takes part; one that is not of the team does so while it is in play.
+    pub fn counts(&self, robot: &RobotView) -> bool {
+        let number = self.robots.iter().position(|&index| index == robot.index);
+        let member = number.and_then(|number| self.members.get(number));
+        member.map_or(robot.active, |member| member.takes_part)
     }
 
     /// Number of a robot in the team, from 0; 0 for one that is not of the team.

@@ -190,6 +190,21 @@ impl<'a> View<'a> {
         self.bodies().filter(move |other| other.index != own)
     }
 
+    /// Returns `true` if `own` cannot stand at a point (m), because another body stands there whose robot does not
+    /// count: one that is not expected to drive on.
+    pub fn is_covered(
+        &self,
+        point: Point2<f64>,
+        own: &RobotView,
+        counts: impl Fn(&RobotView) -> bool,
+    ) -> bool {
+        let reach = |body: &RobotView| body.radius + own.radius;
+        self.other_bodies(own).any(|body| {
+            let is_there = (body.pose.position() - point).norm() < reach(body);
+            is_there && body.twist == Twist2::STOP && !counts(body)
+        })
+    }
+
     /// The team's belief about a robot (the first one in the list).
     pub fn belief(&self, robot: usize) -> Option<&'a BeliefView<'a>> {
         self.beliefs.iter().find(|belief| belief.robot == robot)

@@ -229,11 +229,19 @@ impl GraphPatrol {
             time_s: view.time_s,
             dt: view.dt,
         };
+        let mut absent: Vec<u32> = self.mates.iter().map(|mate| mate.robot).collect();
+        absent.retain(|robot| mates.iter().all(|mate| mate.robot != *robot));
+        let counts = |robot: &RobotView| robot.active && !absent.contains(&(robot.index as u32));
+        let visit = self.params.visit;
+        let is_covered = |point: Point2<f64>| {
+            (point - here).norm() <= visit && view.is_covered(point, own, counts)
+        };
         // A robot that arrives goes on in the same tick.
         for _ in 0..2 {
             let first = self.reports.len();
             let ahead = &mut site.ahead;
             let mut next = || ahead.pop_front();
+            (self.driver).leave_out(is_covered, view.time_s, &mut self.reports);
             let driving = self.driver.drive(&mut next, &situation, &mut self.reports);
             let ended = self.reports.get(first..).unwrap_or_default();
             let failed = ended.iter().any(|r| r.outcome != WaypointOutcome::Reached);

@@ -213,6 +213,27 @@ fn a_robot_that_drives_around_on_one_spot_is_left_out_until_it_gets_on() {
 }
 
 #[test]
+fn a_node_on_which_a_robot_failed_is_visited_beside_it_without_delay() {
+    let params = params(Strategy::Cyclic);
+    let nodes = &params.graph.nodes;
+    let mut team = Team::new(&params, 2);
+    team.drive(nodes, 60.0);
+    let is_on_a_node = |team: &Team| {
+        let at = team.world.robots()[1].pose.position();
+        let apart = |node: &[f64; 2]| (Point2::from(*node) - at).norm();
+        nodes.iter().any(|node| apart(node) < 0.15)
+    };
+    while !is_on_a_node(&team) {
+        team.drive(nodes, TICK.as_secs_f64());
+    }
+    team.failed = vec![1];
+    team.drive(nodes, 100.0);
+    let worst_s = team.drive(nodes, 300.0).figures().unwrap().worst_s;
+    // A walk of 10 edges of 5 m at 1 m/s and its turns, by one robot.
+    assert!(worst_s <= 60.0, "{worst_s}");
+}
+
+#[test]
 fn an_ally_with_the_key_knows_where_a_robot_on_a_chain_drives_and_when() {
     let mut params = params(Strategy::Markov);
     params.markov.key = Some(format!("keyed:{}", "5a".repeat(32)).parse().unwrap());

@@ -259,6 +259,10 @@ impl PatrolAwg {
             (pace == Pace::Clock).then_some(set_out_s + (due_s - start_s))
         };
         let reports = &mut self.reports;
+        if let Some(team) = &self.team {
+            let is_covered = |point| view.is_covered(point, own, |robot| team.counts(robot));
+            self.driver.leave_out(is_covered, view.time_s, reports);
+        }
         let driving = self
             .driver
             .drive_on_time(&mut next, &mut due, &situation, reports);

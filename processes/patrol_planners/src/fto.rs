@@ -265,6 +265,10 @@ impl PatrolFto {
             clock_s.map(|clock_s| view.time_s + (awg.due_s(waypoint.number) - clock_s))
         };
         let reports = &mut self.reports;
+        if let Some(team) = &self.team {
+            let is_covered = |point| view.is_covered(point, own, |robot| team.counts(robot));
+            self.driver.leave_out(is_covered, view.time_s, reports);
+        }
         let driving = self
             .driver
             .drive_on_time(&mut next, &mut due, &situation, reports);

@@ -274,6 +274,31 @@ fn the_gap_of_a_guard_that_fails_is_closed_within_a_lap() {
 }
 
 #[test]
+fn a_guard_that_fails_on_a_waypoint_delays_the_others_no_more_than_elsewhere() {
+    for is_fto in [false, true] {
+        let corners = CONTOURS[0].1;
+        let mut team = Team::new(corners, 4, "", is_fto);
+        team.has_scans = true;
+        let mut now_s = 200.0;
+        team.drive(now_s, |_, _, _| {});
+        let is_on_a_corner = |team: &Team| {
+            let apart = |corner: &[f64; 2]| (Point2::from(*corner) - team.positions()[1]).norm();
+            corners.iter().any(|corner| apart(corner) < 0.15)
+        };
+        while !is_on_a_corner(&team) {
+            now_s += TICK.as_secs_f64();
+            assert!(now_s < 320.0, "no corner is passed");
+            team.drive(now_s, |_, _, _| {});
+        }
+        team.failed = vec![1];
+        let (worst, least) = measure(&mut team, now_s + 120.0, now_s + 400.0);
+        println!("{is_fto}: {worst:.2} s, {:.3}", least / team.ring.length());
+        assert!(worst <= 1.1 * 118.0 / 3.0, "{is_fto}: {worst} s");
+        assert!(least >= team.ring.length() / 5.0, "{is_fto}: {least} m");
+    }
+}
+
+#[test]
 fn a_guard_alone_begins_at_the_given_waypoint_or_the_nearest_place() {
     for (start, expected) in [("2", [15.0, 15.0]), ("\"nearest\"", [3.0, 4.0])] {
         let mut team = Team::new(CONTOURS[1].1, 1, &format!("start = {start}"), false);

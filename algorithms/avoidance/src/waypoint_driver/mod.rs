@@ -134,6 +134,18 @@ impl WaypointDriver {
         self.onward.take()
     }
 
+    /// Ends the current waypoint at time (s) if a body that stands there covers it.
+    pub fn leave_out(
+        &mut self,
+        is_covered: impl Fn(Point2<f64>) -> bool,
+        time_s: f64,
+        reports: &mut Vec<WaypointReport>,
+    ) {
+        if (self.current()).is_some_and(|waypoint| is_covered(waypoint.point)) {
+            self.end(WaypointOutcome::InsideObstacle, time_s, reports);
+        }
+    }
+
     /// Executes one tick: ends waypoints that are reached, late or given up, takes the `next`
     /// ones, and drives. Appends the outcomes of waypoints to `reports`.
     ///
