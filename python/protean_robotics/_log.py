@@ -245,6 +245,32 @@ class Log:
         """
         return Table({column.name: MadeColumn.of(column) for column in self._file.patrols()})
 
+    @cached_property
+    def beliefs(self) -> Table:
+        """Errors of the beliefs: a row for each belief about a robot in play; no rows without perception.
+
+        Columns are those of the table ``beliefs`` of ``protean export``: ``log_time_ns`` (simulated ns), ``robot`` (name),
+        ``seen`` (True if an observer saw it in the tick), ``enclosed``, the share of the weight of the particles that are
+        nearer to the mean than the true position, by the covariance, 0 to 1, ``error_m``, the distance of the mean from the
+        true position (m), ``deviation_m``, the belief's standard deviation (m), ``normalised_error``, the squared error by
+        the covariance, of mean 2 if beliefs are consistent, and ``effective_particles`` before resampling. ``enclosed`` and
+        ``normalised_error`` are NaN for a belief that is a point, as after an exact sighting.
+
+        Raises
+        ------
+        InvalidInput
+            The log cannot be read.
+
+        Examples
+        --------
+        >>> import protean_robotics as pr
+        >>> run = pr.run("chase", set={"rules.time_limit": 5}, seed=1, in_process=True, out="beliefs.mcap")
+        >>> beliefs = pr.Log("beliefs.mcap").beliefs
+        >>> sorted(set(beliefs["robot"]))
+        ['evader_1', 'evader_2']
+        """
+        return Table({column.name: MadeColumn.of(column) for column in self._file.beliefs()})
+
     @property
     def outcome(self) -> dict[str, str]:
         """Outcome of each robot: "active", "caught", "escaped", "timed_out", "goal_reached" or "disabled".

@@ -74,6 +74,44 @@ def test_what_observers_see_empty_holds_no_belief() -> None:
     assert (belief.particles[:, 0] < 2.9).mean() < 0.05
 
 
+def test_a_wrong_start_is_left_with_the_first_sightings(room: pr.Map) -> None:
+    errors = []
+    for seed in range(100):
+        rng = np.random.default_rng(seed)
+        belief = pr.tracking.ParticleFilter(room, (0.5, 0.5, 0.0), seed=seed, **LIMITS)
+        for _ in range(100):
+            belief.update(0.05)
+        truth = np.array([5.0, 5.0])
+        for _ in range(40):
+            truth -= 0.05 * 0.5 * np.array([0.8, 0.6])
+            belief.update(0.05, truth + rng.normal(0, 0.2, 2), sigma=0.2)
+            errors.append(np.linalg.norm(belief.mean[:2] - truth))
+    by_tick = np.array(errors).reshape(100, 40)
+    print(f"error: {np.median(by_tick[:, 0]):.2f} m, {by_tick[:, 1].max():.2f} m, {by_tick[:, 20:].mean():.2f} m")
+    assert np.median(by_tick[:, 0]) < 0.5 and by_tick[:, 1].max() < 0.7
+    assert by_tick[:, 20:].mean() < 0.15
+
+
+def test_equal_corridors_keep_their_shares_until_one_is_seen_empty() -> None:
+    blocked = np.zeros((60, 140), dtype=bool)
+    blocked[25:35, 20:120] = True
+    map = pr.Map.from_grid(blocked, 0.1)
+    shares, late = [], []
+    for seed in range(100):
+        belief = pr.tracking.ParticleFilter(map, (1.0, 3.0, 0.0), seed=seed, **LIMITS)
+        for _ in range(400):
+            belief.update(0.05)
+        x, y, _, weight = belief.particles.astype(float).T
+        upper, lower = weight[y > 3.5].sum(), weight[y < 2.5].sum()
+        shares.append(upper / (upper + lower))
+        belief.update(0.05, observers=[(3.0, 4.7, 0.0)])
+        x, y, _, weight = belief.particles.astype(float).T
+        late.append(weight[(y > 3.5) & (x > 3.0) & (x < 9.0)].sum())
+    print(f"share: {np.mean(shares):.2f}, {np.std(shares):.2f}, {min(shares):.2f} .. {max(shares):.2f}; seen empty: {max(late):.2f}")
+    assert abs(np.mean(shares) - 0.5) < 0.02 and min(shares) > 0.3 and max(shares) < 0.7
+    assert max(late) < 0.05
+
+
 def test_the_same_seed_gives_the_same_belief(room: pr.Map) -> None:
     def run(seed: int) -> np.ndarray:
         belief = pr.tracking.ParticleFilter(room, seed=seed, **LIMITS)

@@ -52,9 +52,9 @@ def test_a_gap_is_closed_within_a_lap() -> None:
 def test_the_page_has_a_row_for_each_cell_and_notes_without_results() -> None:
     page = build(made_up((61.0, 20.0), (66.0, 6.0)))
     assert "| octagon | 2 | 31.8 | 66.0 | 1.100 | 6.00 | 1.00 |" in page.text
-    assert page.text.count("*No results of this experiment.*") == 3
+    assert page.text.count("*No results of this experiment.*") == 4
     assert [image.name for image in page.images] == ["patrol-teams-idleness"]
-    assert build(Evidence()).text.count("*No results of this experiment.*") == 4
+    assert build(Evidence()).text.count("*No results of this experiment.*") == 5
 
 
 def intervals(*seconds: float) -> Evidence:
@@ -86,3 +86,14 @@ def test_the_best_method_of_an_observer_counts() -> None:
     assert cell.errors() == {5.0: 1.5}
     page = build(Evidence({"patrol_predictability": Study("0.1.0", "1..2", [cell])})).text
     assert "| Markov chain among all corners, keyed | 1.50 | 20.0 | 50.0 |" in page
+
+
+def test_attacks_are_counted_over_missions_by_adversary() -> None:
+    def mission(detected: int) -> dict[str, Any]:
+        return {"attacks": [{"method": method, "attacks": 10, "detected": detected} for method in ("random", "history")]}
+
+    cell = Cell("keyed", "", 3, {1: mission(5), 2: mission(10)}, duration=34)
+    assert cell.attacks("random") == (15, 20)
+    page = build(Evidence({"patrol_attacks": Study("0.1.0", "1..2", [cell])})).text
+    # The ends by Wilson's formula: 0.531 and 0.888.
+    assert "| zig-zag, keyed | 34 | 75.0 (53.1 … 88.8) | 75.0 (53.1 … 88.8) | – | – |" in page

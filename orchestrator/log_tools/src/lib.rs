@@ -3,12 +3,14 @@
 //! [`export`](export()) writes tables, [`TopicColumns`] are a table in memory, and [`ros2bag`](ros2bag()) writes
 //! a ROS 2 bag.
 
+mod belief_rows;
 mod cat;
 mod events;
 mod export;
 mod info;
 mod info_text;
 mod layout;
+mod measured;
 mod message_json;
 mod patrol_rows;
 mod recover;
@@ -24,7 +26,7 @@ pub use events::events;
 pub use export::{ExportOptions, ExportReport, Ros2Bag, Table, export, ros2bag};
 pub use info::{LogInfo, TopicInfo};
 pub use info_text::text as info_text;
-pub use patrol_rows::patrols;
+pub use measured::Measured;
 pub use recover::{RecoveryReport, recover};
 pub use time_span::nanoseconds;
 pub use topic_columns::TopicColumns;

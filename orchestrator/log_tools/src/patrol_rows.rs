@@ -1,34 +1,27 @@
 //! Idleness of patrols over time, as a table.
 
-use std::path::Path;
-
 use ipc_types::consumer::LoggedMessage;
 use ipc_types::topics::{TopicId, WorldState};
 use mcap_log::known;
-use mcap_log::reader::{Item, Reader};
-use mcap_log::{LogReadError, MessageHeader, Origin, ReadProgress};
+use mcap_log::reader::Item;
+use mcap_log::{MessageHeader, Origin};
 use recorder::{PatrolMeasurement, RunInfo};
-use tables::{Cell, Column, InMemory, Rows as _, Type};
+use tables::{Cell, Column, Type};
 
-use super::topic_columns::{TopicColumns, too_many_texts};
-
-/// Name of the table.
-pub const PATROLS: &str = "patrols";
+use crate::measured::Measurement;
 
 /// The patrols of a log, measured while it is read.
 #[derive(Debug, Default)]
-pub struct PatrolRows {
+pub(crate) struct PatrolRows {
     origin: Origin,
     /// Channel of the states of the robots.
     states: Option<u16>,
     patrols: Vec<PatrolMeasurement>,
-    /// Number of messages measured.
-    pub(crate) messages: u64,
+    messages: u64,
 }
 
-impl PatrolRows {
-    /// Columns of the table.
-    pub(crate) fn columns() -> Vec<Column> {
+impl Measurement for PatrolRows {
+    fn columns(&self) -> Vec<Column> {
         let [uint, text, number] = [Type::UInt, Type::Text, Type::F64];
         [
             ("log_time_ns", uint),
@@ -43,8 +36,7 @@ impl PatrolRows {
         .into()
     }
 
-    /// Takes the next part of the log: a row for each patrol after each state of the world.
-    pub(crate) fn take(&mut self, item: &Item<'_>) -> Vec<[Cell; 7]> {
+    fn take(&mut self, item: &Item<'_>) -> Vec<Vec<Cell>> {
         match item {
             Item::Attachment(header, _) if header.name == Origin::RUN => {
                 self.origin.add(item);
@@ -63,7 +55,13 @@ impl PatrolRows {
         Vec::new()
     }
 
-    fn rows(&mut self, header: &MessageHeader, data: &[u8]) -> Vec<[Cell; 7]> {
+    fn messages(&self) -> u64 {
+        self.messages
+    }
+}
+
+impl PatrolRows {
+    fn rows(&mut self, header: &MessageHeader, data: &[u8]) -> Vec<Vec<Cell>> {
         let message = LoggedMessage::new(TopicId::WorldState, header.log_time, data);
         let states = message.as_ref().and_then(LoggedMessage::view::<WorldState>);
         let (Some(message), Some((_, states))) = (&message, states) else {
@@ -76,7 +74,7 @@ impl PatrolRows {
             let ends = patrol.ends().get(now.worst_place).copied();
             let middle = |axis: usize| ends.map(|[a, b]| f64::midpoint(a[axis], b[axis]));
             let [x, y] = [0, 1].map(|axis| middle(axis).map_or(Cell::Empty, Cell::F64));
-            [
+            vec![
                 Cell::UInt(header.log_time),
                 Cell::Text(patrol.names().join(", ")),
                 Cell::F64(now.mean_s),
@@ -88,28 +86,4 @@ impl PatrolRows {
         };
         self.patrols.iter_mut().map(row).collect()
     }
-}
-
-/// Reads the idleness of the patrols over time, as [`export`](crate::export()) writes it: a row for each patrol and state
-/// of the world. No rows without a patrol.
-///
-/// # Errors
-/// [`LogReadError`]: the log cannot be read.
-pub fn patrols(log: &Path, watch: &mut ReadProgress) -> Result<TopicColumns, LogReadError> {
-    let mut reader = Reader::open(log, Some(watch))?;
-    let mut patrols = PatrolRows::default();
-    let mut rows = InMemory::new(&PatrolRows::columns());
-    let mut count = 0;
-    while let Some(item) = reader.next()? {
-        for row in patrols.take(&item) {
-            rows.row(&row).map_err(too_many_texts)?;
-            count += 1;
-        }
-    }
-    Ok(TopicColumns {
-        messages: patrols.messages,
-        rows: count,
-        undecodable: 0,
-        columns: Box::new(rows).finish().map_err(too_many_texts)?,
-    })
 }

@@ -1,6 +1,6 @@
 """``python -m protean_robotics.lab beliefs LOG…``: the consistency of beliefs with the true states in logs.
 
-Every belief about a robot that takes part is joined with its true position at the same tick. A belief is consistent if the
+The table ``beliefs`` of a log has the errors of every belief about a robot in play. A belief is consistent if the
 true position lies in its 50 % region in half of the ticks and in its 95 % region in 95 % of them, and if the normalised
 error, which is chi-squared with 2 degrees of freedom for a Gaussian belief, has the mean 2. Regions are those of the
 particles: the share of the weight that is nearer to the mean, by the belief's own covariance, than the true position is.
@@ -19,9 +19,6 @@ from numpy.typing import NDArray
 from .. import _log
 from .._errors import InvalidInput
 
-#: Standard deviation below which a belief is a point, as after an exact sighting (m).
-_POINT = 1e-3
-
 
 @dataclass(frozen=True)
 class Consistency:
@@ -36,7 +33,7 @@ class Consistency:
     error, spread
         Distance of the mean from the true position, and the belief's standard deviation (m).
     normalised
-        Squared error by the belief's covariance , of mean 2 if consistent.
+        Squared error by the belief's covariance, of mean 2 if consistent.
     effective
         Effective number of particles before resampling.
     """
@@ -49,35 +46,11 @@ class Consistency:
     effective: NDArray[np.float64]
 
     @staticmethod
-    def of(belief: Mapping[str, NDArray[Any]], state: Mapping[str, NDArray[Any]]) -> "Consistency":
-        """Joins the tables of ``perception/belief`` and ``world/state`` of a log.
-
-        Beliefs that are points, and those about robots that no longer take part, are left out.
-        """
-        taking_part = state["robots.status"] == 0
-        rows = zip(state["stamp.tick"], state["robots.robot"], state["robots.x"], state["robots.y"], taking_part, strict=True)
-        truth = {(int(tick), int(robot)): (x, y) for tick, robot, x, y, takes_part in rows if takes_part}
-        keys = list(zip(belief["stamp.tick"].tolist(), belief["robot"].tolist(), strict=True))
-        starts = [i for i, key in enumerate(keys) if i == 0 or keys[i - 1] != key]
-        found = []
-        for first, end in zip(starts, [*starts[1:], len(keys)], strict=True):
-            true = truth.get(keys[first])
-            mean = np.array((belief["mean_x"][first], belief["mean_y"][first]))
-            xx, xy, yy = (float(belief[f"covariance_{name}"][first]) for name in ("xx", "xy", "yy"))
-            determinant, spread = xx * yy - xy * xy, (xx + yy) ** 0.5
-            if true is None or spread < _POINT or determinant <= 0.0:
-                continue
-            inverse = np.array(((yy, -xy), (-xy, xx))) / determinant
-            off = np.array(true) - mean
-            particles = np.column_stack((belief["particles.x"][first:end], belief["particles.y"][first:end])) - mean
-            normalised = float(off @ inverse @ off)
-            nearer = np.einsum("ij,jk,ik->i", particles, inverse, particles) < normalised
-            enclosed = float(np.sum(belief["particles.weight"][first:end][nearer]))
-            effective = float(belief["effective_sample_size"][first])
-            seen = bool(belief["seen"][first])
-            found.append((seen, enclosed, float(np.hypot(*off)), spread, normalised, effective))
-        columns = np.array(found, dtype=float).reshape(-1, 6).T
-        return Consistency(columns[0] > 0.0, *columns[1:])
+    def of(beliefs: Mapping[str, NDArray[Any]]) -> "Consistency":
+        """Takes the table of the beliefs of a log; those that are points are left out."""
+        names = ("seen", "enclosed", "error_m", "deviation_m", "normalised_error", "effective_particles")
+        spread = ~np.isnan(beliefs["enclosed"])
+        return Consistency(*(np.asarray(beliefs[name])[spread] for name in names))
 
     @staticmethod
     def joined(parts: Iterable["Consistency"]) -> "Consistency":
@@ -108,8 +81,8 @@ def main(arguments: Sequence[str]) -> int:
     for path in parser.parse_args(arguments).log:
         try:
             log = _log.Log(path)
-            parts.append(Consistency.of(log["perception/belief"].to_numpy(), log["world/state"].to_numpy()))
-        except (InvalidInput, KeyError) as error:
+            parts.append(Consistency.of(log.beliefs.to_numpy()))
+        except InvalidInput as error:
             print(f"error: {path}: {error}", file=sys.stderr)
             return 2
     print(Consistency.joined(parts).table(), end="")

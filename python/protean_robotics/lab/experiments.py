@@ -58,6 +58,7 @@ EXPERIMENTS = (
     Experiment("patrol_failure", Paper.TEAMS, 1, 20.0),
     Experiment("patrol_strategies", Paper.TEAMS, 2, 15.0),
     Experiment("patrol_predictability", Paper.TEAMS, 1, 60.0),
+    Experiment("patrol_attacks", Paper.TEAMS, 1, 32.0),
     Experiment("vmc_lp_sensitivity", Paper.VMC_LP, 100, 0.32),
     Experiment("vmc_lp_tables_3_4", Paper.VMC_LP, 100, 0.07),
 )

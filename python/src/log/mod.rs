@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use draw::raster::{Pixels, pixels};
-use log_tools::{LogInfo, TopicColumns, events, info_text, patrols};
+use log_tools::{LogInfo, Measured, TopicColumns, events, info_text};
 use mcap_log::derived::failed;
 use mcap_log::{DerivedError, LogReadError, Origin, ReadProgress};
 use numpy::{IntoPyArray as _, PyArray3, PyArrayMethods as _};
@@ -37,6 +37,15 @@ pub struct LogFile {
     #[pyo3(get)]
     path: PathBuf,
     info: LogInfo,
+}
+
+impl LogFile {
+    fn measured<'py>(&self, py: Python<'py>, table: Measured) -> PyResult<Vec<Bound<'py, Column>>> {
+        let read = read(py, |watch| Ok(table.read(&self.path, watch)?))?;
+        let columns = read.columns.into_iter();
+        let columns = columns.map(|column| Bound::new(py, Column::new(py, column)));
+        columns.collect()
+    }
 }
 
 #[pymethods]
@@ -90,10 +99,12 @@ impl LogFile {
 
     /// The idleness of the patrols over time, as `protean export` writes it.
     fn patrols<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, Column>>> {
-        let read = read(py, |watch| Ok(patrols(&self.path, watch)?))?;
-        let columns = read.columns.into_iter();
-        let columns = columns.map(|column| Bound::new(py, Column::new(py, column)));
-        columns.collect()
+        self.measured(py, Measured::Patrols)
+    }
+
+    /// The errors of the beliefs, as `protean export` writes them.
+    fn beliefs<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, Column>>> {
+        self.measured(py, Measured::Beliefs)
     }
 
     /// Of each patrol: the names of its robots, and its places (m).

@@ -20,7 +20,7 @@ use tables::{self, Format, Rows};
 use self::folder::Folder;
 pub use self::ros2bag::{Ros2Bag, ros2bag};
 use crate::layout::Layout;
-use crate::patrol_rows::{PATROLS, PatrolRows};
+use crate::measured::{Measured, Measurement};
 use crate::topic_table::{RobotNames, TopicTable, layout};
 
 /// Maximum number of tables; each is an open file.
@@ -79,7 +79,7 @@ impl Table {
 /// Result of an export.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct ExportReport {
-    /// The tables, by topic; that of the patrols by `patrols`.
+    /// The tables, by topic; those of measurements by their names.
     pub tables: BTreeMap<String, Table>,
     /// Topics that have messages but no table, with the reason.
     pub skipped: BTreeMap<String, String>,
@@ -129,15 +129,21 @@ pub fn export(
         options,
         channels: BTreeMap::new(),
         skipped: BTreeMap::new(),
-        names: BTreeMap::from([(PATROLS.to_owned(), 0)]),
+        names: Measured::ALL
+            .map(|table| (table.name().to_owned(), 0))
+            .into(),
         tables: 0,
         is_run: false,
         robots: RobotNames::default(),
-        patrols: PatrolRows::default(),
-        patrol_table: None,
+        measured: Vec::new(),
     };
+    for table in Measured::ALL {
+        if options.topics.take(table.name()) {
+            export.measured.push((table.name(), table.begin(), None));
+        }
+    }
     while let Some(item) = reader.next()? {
-        export.patrols(&item)?;
+        export.measure(&item)?;
         match item {
             Item::Message(header, data) => export.message(&header, data)?,
             Item::Channel(channel) => {
@@ -149,8 +155,9 @@ pub fn export(
         }
     }
     let topics = reader.channels().map(|channel| channel.topic.as_str());
-    let has_patrols = export.patrol_table.is_some();
-    let topics = topics.chain(has_patrols.then_some(PATROLS));
+    let measured = export.measured.iter();
+    let measured = measured.filter_map(|(name, _, table)| table.as_ref().map(|_| *name));
+    let topics = topics.chain(measured);
     options.topics.check(&topics)?;
     let exported = export.finish(reader.condition().clone())?;
     folder.keep();
@@ -172,10 +179,11 @@ struct Export<'a> {
     is_run: bool,
     /// Names of the robots.
     robots: RobotNames,
-    patrols: PatrolRows,
-    /// File and rows of the table of the patrols, from the first row on.
-    patrol_table: Option<(Table, Box<dyn Rows<AtomicFile>>)>,
+    /// Names of the tables of measurements, with their rows from the first one on.
+    measured: Vec<(&'static str, Box<dyn Measurement>, Option<MeasuredTable>)>,
 }
+
+type MeasuredTable = (Table, Box<dyn Rows<AtomicFile>>);
 
 impl Export<'_> {
     /// Selects the treatment of a channel.
@@ -216,24 +224,23 @@ impl Export<'_> {
         Ok(())
     }
 
-    /// Adds the rows of the patrols; the first one creates their table.
-    fn patrols(&mut self, item: &Item<'_>) -> Result<(), DerivedError> {
-        if !self.options.topics.take(PATROLS) {
-            return Ok(());
-        }
-        for row in self.patrols.take(item) {
-            let (table, rows) = if let Some(table) = &mut self.patrol_table {
-                table
-            } else {
-                let Self { log, options, .. } = *self;
-                let file = self.out.join(PATROLS).with_extension(options.extension());
-                let open = derived::create(&file, log, options.force, Readers::All)?;
-                let rows = tables::begin(options.format, open, &PatrolRows::columns());
-                let rows = rows.map_err(derived::failed(&file))?;
-                self.patrol_table.insert((Table::empty(file), rows))
-            };
-            rows.row(&row).map_err(derived::failed(&table.file))?;
-            table.rows += 1;
+    /// Adds the rows of the measurements; the first one creates the table.
+    fn measure(&mut self, item: &Item<'_>) -> Result<(), DerivedError> {
+        let Self { log, options, .. } = *self;
+        for (name, measured, table) in &mut self.measured {
+            for row in measured.take(item) {
+                let (table, rows) = if let Some(table) = table {
+                    table
+                } else {
+                    let file = self.out.join(&*name).with_extension(options.extension());
+                    let open = derived::create(&file, log, options.force, Readers::All)?;
+                    let rows = tables::begin(options.format, open, &measured.columns());
+                    let rows = rows.map_err(derived::failed(&file))?;
+                    table.insert((Table::empty(file), rows))
+                };
+                rows.row(&row).map_err(derived::failed(&table.file))?;
+                table.rows += 1;
+            }
         }
         Ok(())
     }
@@ -293,11 +300,14 @@ impl Export<'_> {
                 tables.insert(name, written);
             }
         }
-        if let Some((mut table, rows)) = self.patrol_table {
-            table.messages = self.patrols.messages;
+        for (name, measured, table) in self.measured {
+            let Some((mut table, rows)) = table else {
+                continue;
+            };
+            table.messages = measured.messages();
             let file = rows.finish().map_err(derived::failed(&table.file))?;
             finished.push((table.file.clone(), file));
-            tables.insert(PATROLS.to_owned(), table);
+            tables.insert(name.to_owned(), table);
         }
         // Tables move to their final paths only when all are complete.
         for (path, file) in finished {

@@ -25,7 +25,9 @@ infinity is 1e999, which pandas, polars and DuckDB read as infinite.
 
 The table `patrols` has the idleness of patrols over time: a row for each patrol and state of the world, with mean and
 maximum over the places of the time since the last visit, the place of the maximum, and the share of the places visited
-so far. --topics selects it like a topic.
+so far. The table `beliefs` has the errors of the beliefs about robots in play: the share of the particles' weight that is
+nearer to the mean than the true position, by the covariance; distance of the mean from it; deviation; squared error by
+the covariance; effective number of particles. --topics selects both like topics.
 
 With --ros2bag, the directory gets a copy of the log and the metadata.yaml that `ros2 bag` expects.
 

@@ -1,4 +1,4 @@
-"""Our results: missions of teams around contours and on a graph, of a team that loses a guard, and of an observer."""
+"""Our results: missions of teams around contours and on a graph, of a team that loses a guard, of an observer, of adversaries."""
 
 import math
 from collections.abc import Mapping
@@ -9,13 +9,16 @@ from typing import Any
 
 from ..results import Results, Row
 
-#: Names of the experiments: teams around contours; a guard fails; strategies on a graph; an observer of one robot.
-TEAM, FAILURE, STRATEGIES, PREDICTABILITY = EXPERIMENTS = (
+#: Names of the experiments: teams around contours; a guard fails; strategies on a graph; an observer of one robot; attacks.
+TEAM, FAILURE, STRATEGIES, PREDICTABILITY, ATTACKS = EXPERIMENTS = (
     "patrol_team",
     "patrol_failure",
     "patrol_strategies",
     "patrol_predictability",
+    "patrol_attacks",
 )
+#: Methods of the adversaries.
+METHODS = ("random", "history", "statistical", "best_response")
 #: Time of a lap in both experiments (s).
 LAP_S = 120.0
 
@@ -36,6 +39,8 @@ class Cell:
         Its missions that did not fail, by seed.
     strategy
         Name of the strategy; empty without this parameter.
+    duration
+        Duration of an attack (s); 0 without this parameter.
     """
 
     case: str
@@ -43,6 +48,7 @@ class Cell:
     guards: int
     rows: Mapping[int, Row]
     strategy: str = ""
+    duration: float = 0.0
 
     def worst(self) -> list[float]:
         """Longest time without a visit of a place, of each mission with one (s)."""
@@ -64,6 +70,11 @@ class Cell:
                 methods = found.setdefault(entry["horizon_s"], {})
                 methods.setdefault(entry["method"], []).append(entry["mean_m"])
         return {horizon: min(map(fmean, methods.values())) for horizon, methods in found.items()}
+
+    def attacks(self, method: str) -> tuple[int, int]:
+        """Detected and all attacks of an adversary, of all missions."""
+        found = [attacker for row in self.rows.values() for attacker in row["attacks"] if attacker["method"] == method]
+        return sum(attacker["detected"] for attacker in found), sum(attacker["attacks"] for attacker in found)
 
     def nearest(self) -> list[float]:
         """Least distance of two guards along the contour, of each mission with one (m)."""
@@ -108,7 +119,8 @@ class Study:
             values = dict(zip(results.parameters, cell.values, strict=True))
             found = results.finished(number)
             contour, strategy = (values.get(name, "") for name in ("contour", "strategy"))
-            cells.append(Cell(cell.case, contour, values.get("guards", 4), found, strategy))
+            guards, duration = values.get("guards", 4), values.get("duration", 0.0)
+            cells.append(Cell(cell.case, contour, guards, found, strategy, duration))
         levels = results.experiment.get("parameters", {}).get("contour", {}).get("levels", {})
         lengths = {name: _length(level) for name, level in levels.items()}
         return Study(results.program, results.seeds, cells, lengths)

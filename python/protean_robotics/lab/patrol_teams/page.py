@@ -6,8 +6,9 @@ from .. import words
 from ..claim import Claim
 from ..figures import Chart, Point, Series
 from ..page import Page, fill
+from ..statistics import wilson
 from .claims import PUBLISHED, claims
-from .evidence import EXPERIMENTS, FAILURE, PREDICTABILITY, STRATEGIES, TEAM, Cell, Evidence, Study
+from .evidence import ATTACKS, EXPERIMENTS, FAILURE, METHODS, PREDICTABILITY, STRATEGIES, TEAM, Cell, Evidence, Study
 
 #: Names of the cases of the experiment in which a guard fails.
 _CASES = {
@@ -24,6 +25,12 @@ _PATROLS = {
     "random": "random walk among all corners",
     "markov": "Markov chain among all corners, keyed",
 }
+#: Names of the cases with adversaries.
+_GUARDS = {
+    "contour": "on the contour",
+    "keyed": "zig-zag, keyed",
+    "keyed_wide": "wider zig-zag, keyed",
+}
 
 
 def build(evidence: Evidence) -> Page:
@@ -39,6 +46,8 @@ def build(evidence: Evidence) -> Page:
     if (observed := evidence.studies.get(PREDICTABILITY)) is not None:
         values[PREDICTABILITY] = "".join(map(_observed, observed.cells))
         images.append(_errors(observed))
+    if (attacked := evidence.studies.get(ATTACKS)) is not None:
+        values[ATTACKS] = "".join(map(_attacked, attacked.cells))
     found = claims(evidence)
     strategies = [claim for claim in found if claim.key.startswith("strategy.")]
     if STRATEGIES in evidence.studies:
@@ -93,6 +102,18 @@ def _strategy(claim: Claim) -> str:
 def _observed(cell: Cell) -> str:
     errors = (words.decimals(error, 2) for _, error in sorted(cell.errors().items()))
     return _row(_PATROLS[cell.case], *errors, _mean(cell.mean(), 1), _most(cell.worst(), 1))
+
+
+def _attacked(cell: Cell) -> str:
+    shares = (_share(*cell.attacks(method)) for method in METHODS)
+    return _row(_GUARDS[cell.case], f"{cell.duration:g}", *shares)
+
+
+def _share(detected: int, attacks: int) -> str:
+    if attacks == 0:
+        return "–"
+    low, high = (words.decimals(100.0 * end, 1) for end in wilson(detected, attacks))
+    return f"{words.decimals(100.0 * detected / attacks, 1)} ({low} … {high})"
 
 
 def _verdict(claim: Claim) -> str:
