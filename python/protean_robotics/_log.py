@@ -3,7 +3,7 @@
 import html
 import json
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _animation, _plots
+from . import _animation, _branch, _plots
 from ._arguments import checked
 from ._core import Column, LogFile
 from ._errors import InvalidInput
@@ -305,6 +305,124 @@ class Log:
         if not faults and not condition["complete"]:
             faults = ["the end is missing"]
         return faults
+
+    @checked
+    def branch(
+        self,
+        at: float,
+        *,
+        set: Mapping[str, Any] | None = None,
+        replace: Mapping[str, Any] | None = None,
+        command: Mapping[str, Any] | None = None,
+        duration: float | None = None,
+        reseed: Sequence[str] | None = None,
+        seed: int = 1,
+        out: str | os.PathLike[str] | None = None,
+        force: bool = False,
+        allow_external: bool = False,
+    ) -> "Log":
+        """Executes the run again up to a moment, and goes on with a change, as ``protean branch``.
+
+        Every message before the moment is compared with the log.
+
+        Parameters
+        ----------
+        at
+            Simulated time from which on the change counts (s), a multiple of the tick.
+        set
+            Values of the scenario that change, by their dotted keys.
+        replace
+            Other kinds, by the name of the process.
+        command
+            Forward speed (m/s) and turning rate (rad/s) in place of those of the planner, by the name of the robot.
+        duration
+            Time for which the commands count (s); to the end if None.
+        reseed
+            Processes with other random streams, or ``["all"]``.
+        seed
+            Number of these streams.
+        out
+            Path of the new log; ``LOG-branch-T.mcap`` if None.
+        force
+            True to overwrite an existing log.
+        allow_external
+            True if the scenario may start programs.
+
+        Returns
+        -------
+        Log
+            The log of the branch, which names its parent, the moment and the change.
+
+        Raises
+        ------
+        InvalidInput
+            The log or the change is not usable.
+        Error
+            The history before the moment differs from the log, or the run failed.
+
+        Examples
+        --------
+        >>> import protean_robotics as pr
+        >>> run = pr.run("hello", seed=1, in_process=True, out="parent.mcap")
+        >>> branch = run.branch(2.0, command={"robot": (0.1, 0.0)}, out="slow.mcap")
+        >>> branch.info["sim_time_s"] > run.time
+        True
+        """
+        change = _branch.arguments(set, replace, command, duration, reseed, allow_external)
+        path = os.fspath(out) if out is not None else None
+        return Log(_branch.branch(os.fspath(self.path), at, seed, path, force, change))
+
+    @checked
+    def decided(
+        self,
+        *,
+        moments: int = 16,
+        times: int = 20,
+        share: float = 0.9,
+        set: Mapping[str, Any] | None = None,
+        replace: Mapping[str, Any] | None = None,
+        command: Mapping[str, Any] | None = None,
+        duration: float | None = None,
+        reseed: Sequence[str] | None = None,
+        allow_external: bool = False,
+    ) -> dict[str, Any]:
+        """Finds when the outcomes of the run were decided, as ``protean decided``.
+
+        Parameters
+        ----------
+        moments
+            Number of moments, evenly from the start to the end.
+        times
+            Number of continuations from each moment.
+        share
+            Share of the recorded outcome from which on it counts as decided, above 0 and below 1.
+        set, replace, command, duration, reseed, allow_external
+            The change of all continuations, as in `branch`; other streams of all processes if `reseed` is None.
+
+        Returns
+        -------
+        dict
+            ``moments``, each with ``time_s`` and the ``outcomes`` of the ``robots``, and ``decisions``: of each robot with an
+            outcome ``between_s``, the times between which it was decided (s), absent if it was not before the end, and
+            ``certain``.
+
+        Raises
+        ------
+        InvalidInput
+            The log or the change is not usable.
+        Error
+            A run failed.
+
+        Examples
+        --------
+        >>> import protean_robotics as pr
+        >>> run = pr.run("hello", seed=1, in_process=True, out="decided.mcap")
+        >>> decision, = run.decided(moments=2, times=5)["decisions"]
+        >>> decision["robot"], decision["outcome"], decision["between_s"]
+        ('robot', 'escaped', [0.0, 0.0])
+        """
+        change = _branch.arguments(set, replace, command, duration, reseed, allow_external)
+        return _branch.decided(os.fspath(self.path), moments, times, share, change)
 
     @checked
     def report(self, out: str | os.PathLike[str] | None = None, *, force: bool = False) -> Path:

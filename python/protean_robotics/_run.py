@@ -79,6 +79,14 @@ class Run:
             raise InvalidInput("the run has no log: expected out=PATH")
         return Log(self.log_path)
 
+    def branch(self, at: float, **change: Any) -> Log:
+        """Goes on from a moment (s) with a change, as :meth:`Log.branch`; the run needs a log."""
+        return self.log.branch(at, **change)
+
+    def decided(self, **options: Any) -> dict[str, Any]:
+        """Finds when the outcomes were decided, as :meth:`Log.decided`; the run needs a log."""
+        return self.log.decided(**options)
+
     def plot(self, *, ax: "Axes | None" = None) -> "Axes":
         """Draws the paths of the robots on the map into axes of matplotlib, as ``Log.plot``.
 

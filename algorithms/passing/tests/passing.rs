@@ -196,7 +196,7 @@ proptest! {
     }
 }
 
-/// How far the robots of convoys in a lane with bays are from their goals in the end (m).
+/// Distances of the robots of convoys in a lane with bays from their goals in the end (m).
 fn far_in_the_end(convoys: &Convoys, delays: &[u8]) -> Vec<f64> {
     let pitch = 0.35;
     let space = map(convoys, pitch);

@@ -11,7 +11,7 @@ use recorder::RunInfo;
 use std::collections::BTreeMap;
 use tables::{Cell, Column, Type};
 
-use crate::measured::Measurement;
+use crate::measurement::Measurement;
 
 /// Standard deviation below which a belief is a point, as after an exact sighting (m).
 const POINT_M: f64 = 1e-3;

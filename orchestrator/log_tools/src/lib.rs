@@ -11,6 +11,7 @@ mod info;
 mod info_text;
 mod layout;
 mod measured;
+mod measurement;
 mod message_json;
 mod patrol_rows;
 mod recover;

@@ -2,25 +2,14 @@
 
 use std::path::Path;
 
-use mcap_log::reader::{Item, Reader};
+use mcap_log::reader::Reader;
 use mcap_log::{LogReadError, ReadProgress};
-use tables::{Cell, Column, InMemory, Rows as _};
+use tables::{InMemory, Rows as _};
 
 use crate::belief_rows::BeliefRows;
+use crate::measurement::Measurement;
 use crate::patrol_rows::PatrolRows;
 use crate::topic_columns::{TopicColumns, too_many_texts};
-
-/// A measurement on the messages of a log.
-pub(crate) trait Measurement {
-    /// Columns of its table.
-    fn columns(&self) -> Vec<Column>;
-
-    /// Takes the next part of the log; returns its rows.
-    fn take(&mut self, item: &Item<'_>) -> Vec<Vec<Cell>>;
-
-    /// Number of messages measured.
-    fn messages(&self) -> u64;
-}
 
 /// A table of measurements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -8,7 +8,7 @@ use mcap_log::{MessageHeader, Origin};
 use recorder::{PatrolMeasurement, RunInfo};
 use tables::{Cell, Column, Type};
 
-use crate::measured::Measurement;
+use crate::measurement::Measurement;
 
 /// The patrols of a log, measured while it is read.
 #[derive(Debug, Default)]

@@ -20,7 +20,8 @@ use tables::{self, Format, Rows};
 use self::folder::Folder;
 pub use self::ros2bag::{Ros2Bag, ros2bag};
 use crate::layout::Layout;
-use crate::measured::{Measured, Measurement};
+use crate::measured::Measured;
+use crate::measurement::Measurement;
 use crate::topic_table::{RobotNames, TopicTable, layout};
 
 /// Maximum number of tables; each is an open file.

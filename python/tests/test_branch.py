@@ -1,0 +1,60 @@
+"""Branches of runs: the past is that of the log, the future has the change."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import protean_robotics as pr
+
+
+@pytest.fixture(scope="module")
+def chase(tmp_path_factory: pytest.TempPathFactory) -> pr.Run:
+    out = tmp_path_factory.mktemp("logs") / "chase.mcap"
+    return pr.run("chase_exact", seed=2, set={"rules.time_limit": 12}, in_process=True, out=out)
+
+
+def test_a_branch_has_the_past_of_its_log_and_another_future(chase: pr.Run, tmp_path: Path) -> None:
+    branch = chase.branch(6.0, set={"teams.police.limits.v_max": 0.05}, out=tmp_path / "slow.mcap")
+    before, after = (log["world/state"].to_numpy() for log in (chase.log, branch))
+    past = before["stamp.time_ns"] <= 6_000_000_000
+    columns = ("stamp.tick", "robots.robot", "robots.x", "robots.y", "robots.theta")
+    for name in columns:
+        np.testing.assert_array_equal(before[name][past], after[name][after["stamp.time_ns"] <= 6_000_000_000])
+    police = after["robots.team"] == 1
+    assert after["robots.v"][police & (after["stamp.time_ns"] > 7_000_000_000)].max() <= 0.05 + 1e-12
+    # A branch without a change is its parent, and can be branched itself.
+    same = chase.branch(6.0, out=tmp_path / "same.mcap")
+    assert same.digest == chase.digest != branch.digest
+    assert branch.branch(9.0, out=tmp_path / "again.mcap").digest == branch.digest
+
+
+def test_a_command_counts_for_its_time(tmp_path: Path) -> None:
+    run = pr.run("hello", seed=1, in_process=True, out=tmp_path / "hello.mcap")
+    branch = run.branch(2.0, command={"robot": (0.0, 0.5)}, duration=1.0, out=tmp_path / "turn.mcap")
+    state = branch["world/state"].to_numpy()
+    t, omega = state["stamp.time_ns"] * 1e-9, state["robots.omega"]
+    held = (t > 2.1) & (t < 2.9)
+    assert np.all(omega[held] == pytest.approx(0.5)) and np.all(state["robots.v"][held] == pytest.approx(0.0))
+
+
+def test_outcomes_are_decided_at_a_moment_or_not_before_the_end(chase: pr.Run) -> None:
+    report = chase.decided(moments=3, times=4, share=0.5)
+    assert [moment["continuations"] >= 4 for moment in report["moments"]] == [True] * len(report["moments"])
+    assert len(report["moments"]) >= 3
+    for decision in report["decisions"]:
+        assert decision["outcome"] == chase.outcome[decision["robot"]]
+        low, high = decision.get("between_s", (0.0, 0.0))
+        assert 0.0 <= low <= high <= decision["time_s"]
+
+
+def test_what_cannot_be_branched_is_refused(chase: pr.Run, tmp_path: Path) -> None:
+    with pytest.raises(pr.InvalidInput, match="at|--at"):
+        chase.branch(1000.0)
+    with pytest.raises(pr.InvalidInput, match="expected a forward speed"):
+        chase.branch(1.0, command={"police_1": 3.0})
+    with pytest.raises(pr.InvalidInput, match="expected the name of a kind"):
+        chase.branch(1.0, replace={"pursuer_police_1": 3})
+    without = pr.run("hello", seed=1, in_process=True)
+    with pytest.raises(pr.InvalidInput, match="the run has no log"):
+        without.branch(1.0)
