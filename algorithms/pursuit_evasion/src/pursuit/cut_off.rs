@@ -20,7 +20,8 @@
 //! [`block_radius`]: super::params::AssignmentParams::block_radius
 
 use core::cmp::Reverse;
-use std::collections::BinaryHeap;
+use std::collections::{BinaryHeap, VecDeque};
+use std::sync::{Mutex, PoisonError};
 
 use nalgebra::Point2;
 use navigation::routes::{NavGrid, RouteFinder, RouteTree};
@@ -31,6 +32,9 @@ use super::matching::{milliseconds, one_each};
 /// Candidate places of cuts, as shares of the path from the first place reached in time to the
 /// exit.
 const SHARES: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
+
+/// Number of allotments that planners of a shared map keep for each other: those of several runs at once.
+const MAX_KEPT: usize = 16;
 
 /// Length (mm) that means "no path", and node that means "none".
 const NONE: u32 = u32::MAX;
@@ -64,6 +68,22 @@ pub struct Cut {
     pub complete: bool,
 }
 
+/// Inputs that determine an allotment, besides the graph.
+#[derive(Debug, Clone, PartialEq)]
+struct Siege {
+    exits: Vec<Point2<f64>>,
+    evader: EvaderState,
+    blockers: Vec<ExitBlocker>,
+    block_radius: f64,
+}
+
+/// Places of blockers; `None` for those that drive at the target.
+type Places = Vec<Option<Point2<f64>>>;
+
+/// Allotments of the planners that share a map, the newest last: all pursuers of a target have the same.
+#[derive(Debug, Default)]
+struct Known(Mutex<VecDeque<(Siege, Places)>>);
+
 /// Finds cuts; its memory is reused.
 #[derive(Debug, Clone, Default)]
 pub struct CutSearch {
@@ -82,6 +102,45 @@ pub struct CutSearch {
 }
 
 impl CutSearch {
+    /// Returns the places of the blockers, a [cut](Self::cut) at the minimum sum of driving times.
+    pub(super) fn places(
+        &mut self,
+        map: &PlannerMap,
+        finder: &mut RouteFinder,
+        exits: impl IntoIterator<Item = Point2<f64>>,
+        evader: &EvaderState,
+        blockers: &[ExitBlocker],
+        block_radius: f64,
+    ) -> Places {
+        let siege = Siege {
+            exits: exits.into_iter().collect(),
+            evader: *evader,
+            blockers: blockers.to_vec(),
+            block_radius,
+        };
+        let grid = finder.grid().filter(|_| map.is_shared());
+        let known = grid.map(|grid| map.derived().get(grid.inflation(), Known::default));
+        let kept = known.as_ref().map(|known| known.0.lock());
+        let kept = kept.map(|kept| kept.unwrap_or_else(PoisonError::into_inner));
+        let mut found = kept.iter().flat_map(|kept| kept.iter().rev());
+        if let Some((_, places)) = found.find(|(known, _)| *known == siege) {
+            return places.clone();
+        }
+        drop(found);
+        drop(kept);
+        let exits = siege.exits.iter().copied();
+        let cut = self.cut(map, finder, exits, evader, blockers, block_radius);
+        let places = allot(map, finder, blockers, &cut, evader.at);
+        if let Some(known) = known {
+            let mut kept = known.0.lock().unwrap_or_else(PoisonError::into_inner);
+            if kept.len() >= MAX_KEPT {
+                kept.pop_front();
+            }
+            kept.push_back((siege, places.clone()));
+        }
+        places
+    }
+
     /// Returns a cut between a target and the exits (m), with fewer places than blockers.
     ///
     /// `finder` must have been prepared for the map. The cut is empty for fewer than two blockers,
@@ -108,21 +167,28 @@ impl CutSearch {
         let Some(start) = grid.node_at(evader.at) else {
             return Cut::default();
         };
+        self.blocked.clear();
+        self.blocked.resize(nodes, false);
+        let is_open = finder.grid().is_some_and(|grid| self.way_out(grid, start));
+        if !is_open {
+            return Cut {
+                complete: true,
+                ..Cut::default()
+            };
+        }
+        let shortest = self.way.clone();
         let mut tight = None;
         for share in SHARES {
-            self.blocked.clear();
-            self.blocked.resize(nodes, false);
+            self.blocked.fill(false);
+            self.way.clone_from(&shortest);
             let mut cut = Cut::default();
-            loop {
-                cut.complete = !finder.grid().is_some_and(|grid| self.way_out(grid, start));
-                if cut.complete || cut.places.len() >= most {
-                    break;
-                }
+            while !cut.complete && cut.places.len() < most {
                 let place = self.place(map, finder, evader.v_max, blockers, share);
-                if let Some(grid) = finder.grid() {
-                    self.block(grid, start, place, block_radius);
-                }
                 cut.places.push(place);
+                cut.complete = !finder.grid().is_some_and(|grid| {
+                    self.block(grid, start, place, block_radius);
+                    self.way_out(grid, start)
+                });
             }
             if cut.complete {
                 return cut;
@@ -252,13 +318,13 @@ impl CutSearch {
 
 /// Assigns the places of a cut to the blockers, at the minimum sum of driving times; `None` for
 /// those that drive at the target at `at` (m) itself.
-pub fn allot(
+fn allot(
     map: &PlannerMap,
     finder: &mut RouteFinder,
     blockers: &[ExitBlocker],
     cut: &Cut,
     at: Point2<f64>,
-) -> Vec<Option<Point2<f64>>> {
+) -> Places {
     let count = blockers.len();
     let goals: Vec<_> = (0..count)
         .map(|column| cut.places.get(column).copied())
