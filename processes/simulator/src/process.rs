@@ -421,6 +421,12 @@ impl Simulator {
         Ok(())
     }
 
+    /// Steps the world to the next tick with commands by robot, without messages.
+    pub fn drive(&mut self, commands: &[Option<Twist2>]) {
+        self.world.step(commands, self.tick_period);
+        self.tick += 1;
+    }
+
     /// Steps the world to the next tick with the commands in force: those at most `max_age` ticks
     /// old (0 in lock-step).
     pub fn advance(&mut self, max_age: u64) {
