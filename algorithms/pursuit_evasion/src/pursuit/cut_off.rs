@@ -87,11 +87,6 @@ struct Known(Mutex<VecDeque<(Siege, Places)>>);
 /// Finds cuts; its memory is reused.
 #[derive(Debug, Clone, Default)]
 pub struct CutSearch {
-    /// Shortest paths to the exits, without blocked nodes.
-    to_exit: RouteTree,
-    exits: Vec<usize>,
-    /// Revision, number of nodes and exits of these paths.
-    built_for: Option<(u64, usize, Vec<usize>)>,
     blocked: Vec<bool>,
     length: Vec<u32>,
     parent: Vec<u32>,
@@ -158,18 +153,25 @@ impl CutSearch {
         let Some(grid) = finder.grid().filter(|_| most > 0) else {
             return Cut::default();
         };
-        let exits = exits
-            .into_iter()
-            .filter_map(|exit| grid.node_at(exit))
-            .collect();
+        let exits = exits.into_iter();
+        let exits: Vec<usize> = exits.filter_map(|exit| grid.node_at(exit)).collect();
+        // Shortest paths to the exits, without blocked nodes.
+        let key = (grid.inflation().to_bits(), exits.clone());
+        let to_exit = &*map.derived().get(key, || {
+            let mut tree = RouteTree::default();
+            tree.plant_without_gates(grid, &exits, &[]);
+            tree.settle(grid, u32::MAX);
+            tree
+        });
         let nodes = grid.len();
-        self.prepare(map.revision(), grid, exits);
         let Some(start) = grid.node_at(evader.at) else {
             return Cut::default();
         };
         self.blocked.clear();
         self.blocked.resize(nodes, false);
-        let is_open = finder.grid().is_some_and(|grid| self.way_out(grid, start));
+        let is_open = finder
+            .grid()
+            .is_some_and(|grid| self.way_out(grid, &exits, to_exit, start));
         if !is_open {
             return Cut {
                 complete: true,
@@ -187,7 +189,7 @@ impl CutSearch {
                 cut.places.push(place);
                 cut.complete = !finder.grid().is_some_and(|grid| {
                     self.block(grid, start, place, block_radius);
-                    self.way_out(grid, start)
+                    self.way_out(grid, &exits, to_exit, start)
                 });
             }
             if cut.complete {
@@ -198,31 +200,25 @@ impl CutSearch {
         tight.unwrap_or_default()
     }
 
-    /// Measures the paths to the exits, once per map.
-    fn prepare(&mut self, revision: u64, grid: &NavGrid, exits: Vec<usize>) {
-        let wanted = (revision, grid.len(), exits);
-        if self.built_for.as_ref() == Some(&wanted) {
-            return;
-        }
-        self.to_exit.plant_without_gates(grid, &wanted.2, &[]);
-        self.to_exit.settle(grid, u32::MAX);
-        self.exits.clone_from(&wanted.2);
-        self.built_for = Some(wanted);
-    }
-
     /// Finds the shortest path from a node to an exit past the blocked nodes; returns `true` if
     /// there is one.
     ///
     /// A\* with the unblocked lengths as heuristic. They are consistent: blocking only makes paths
     /// longer.
-    fn way_out(&mut self, grid: &NavGrid, start: usize) -> bool {
+    fn way_out(
+        &mut self,
+        grid: &NavGrid,
+        exits: &[usize],
+        to_exit: &RouteTree,
+        start: usize,
+    ) -> bool {
         self.way.clear();
         self.length.clear();
         self.length.resize(grid.len(), NONE);
         self.parent.clear();
         self.parent.resize(grid.len(), NONE);
         self.queue.clear();
-        let Some(ahead) = self.to_exit.length_mm(start) else {
+        let Some(ahead) = to_exit.length_mm(start) else {
             return false;
         };
         self.queue.push(Reverse((ahead, start as u32)));
@@ -230,11 +226,11 @@ impl CutSearch {
         while let Some(Reverse((estimate, node))) = self.queue.pop() {
             let node = node as usize;
             let length = self.length[node];
-            let ahead = self.to_exit.length_mm(node).unwrap_or(NONE);
+            let ahead = to_exit.length_mm(node).unwrap_or(NONE);
             if estimate > length.saturating_add(ahead) {
                 continue;
             }
-            if self.exits.contains(&node) && !self.blocked[node] {
+            if exits.contains(&node) && !self.blocked[node] {
                 self.retrace(grid, node);
                 return true;
             }
@@ -243,7 +239,7 @@ impl CutSearch {
                 let reached = length.saturating_add(edge.length);
                 if !self.blocked[to]
                     && reached < self.length[to]
-                    && let Some(ahead) = self.to_exit.length_mm(to)
+                    && let Some(ahead) = to_exit.length_mm(to)
                 {
                     self.length[to] = reached;
                     self.parent[to] = node as u32;
