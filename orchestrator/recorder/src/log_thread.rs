@@ -1,6 +1,5 @@
 //! The log of a run on its own thread: derived channels, encoding, compression and writing.
 
-use std::ops::Range;
 use std::panic::resume_unwind;
 use std::sync::mpsc::{self, Receiver, SyncSender};
 use std::thread::{Builder, JoinHandle};
@@ -20,27 +19,14 @@ const BATCH_BYTES: usize = 64 * 1024;
 /// Maximum number of batches that wait for the thread; with more, the recorder waits.
 const MAX_WAITING: usize = 8;
 
-/// Time after which a smaller batch is passed on, for live viewers.
-const MAX_AGE: Duration = Duration::from_millis(5);
-
 /// Messages and ends of ticks, in order.
 #[derive(Default)]
 struct Batch {
-    entries: Vec<Entry>,
+    /// Topic, stamp, time (ns), length (bytes) and rejection of a message; `None` at the end of a tick.
+    entries: Vec<Option<(TopicId, Stamp, u64, usize, bool)>>,
     bytes: Vec<u8>,
     /// `true` if the thread shall flush what is due, and answer.
     flush: bool,
-}
-
-enum Entry {
-    Message {
-        topic: TopicId,
-        stamp: Stamp,
-        time_ns: u64,
-        bytes: Range<usize>,
-        rejected: bool,
-    },
-    EndOfTick,
 }
 
 /// The thread of a log. Its errors are returned by one of the next calls.
@@ -51,7 +37,6 @@ pub(super) struct LogThread {
     /// Absent after an error.
     thread: Option<JoinHandle<Result<Log, LogWriteError>>>,
     flush_every: Duration,
-    passed_on: Instant,
     last_flush: Instant,
 }
 
@@ -72,7 +57,6 @@ impl LogThread {
             flushed,
             thread: Some(thread.map_err(|source| LogWriteError::Create { path, source })?),
             flush_every,
-            passed_on: Instant::now(),
             last_flush: Instant::now(),
         })
     }
@@ -83,15 +67,15 @@ impl LogThread {
         message: &LoggedMessage<'_>,
         rejected: bool,
     ) -> Result<(), LogWriteError> {
-        let start = self.batch.bytes.len();
-        self.batch.bytes.extend_from_slice(message.bytes);
-        self.batch.entries.push(Entry::Message {
-            topic: message.topic,
-            stamp: message.stamp,
-            time_ns: message.time_ns,
-            bytes: start..self.batch.bytes.len(),
-            rejected,
-        });
+        let LoggedMessage {
+            topic,
+            stamp,
+            time_ns,
+            bytes,
+        } = *message;
+        self.batch.bytes.extend_from_slice(bytes);
+        let entry = (topic, stamp, time_ns, bytes.len(), rejected);
+        self.batch.entries.push(Some(entry));
         if self.batch.bytes.len() >= BATCH_BYTES {
             return self.pass_on(false);
         }
@@ -100,17 +84,14 @@ impl LogThread {
 
     /// Ends the current tick after its last message.
     pub(super) fn end_of_tick(&mut self) {
-        self.batch.entries.push(Entry::EndOfTick);
+        self.batch.entries.push(None);
     }
 
-    /// Passes on what waits long enough. Twice per period of flushes it waits until the thread has written everything.
+    /// Waits, twice per period of flushes, until the thread has written everything.
     pub(super) fn flush_if_due(&mut self) -> Result<(), LogWriteError> {
         if self.last_flush.elapsed() * 2 >= self.flush_every {
             self.last_flush = Instant::now();
             return self.pass_on(true);
-        }
-        if !self.batch.entries.is_empty() && self.passed_on.elapsed() >= MAX_AGE {
-            return self.pass_on(false);
         }
         Ok(())
     }
@@ -127,7 +108,6 @@ impl LogThread {
     fn pass_on(&mut self, flush: bool) -> Result<(), LogWriteError> {
         let mut batch = core::mem::take(&mut self.batch);
         batch.flush = flush;
-        self.passed_on = Instant::now();
         let batches = self.batches.as_ref();
         let sent = batches.is_some_and(|batches| batches.send(batch).is_ok());
         if sent && (!flush || self.flushed.recv().is_ok()) {
@@ -147,10 +127,8 @@ impl LogThread {
 /// A recording without an end leaves a complete file.
 impl Drop for LogThread {
     fn drop(&mut self) {
-        if let Some(batches) = self.batches.take() {
-            let _ = batches.send(core::mem::take(&mut self.batch));
-        }
-        let _ = self.thread.take().map(JoinHandle::join);
+        let _ = self.pass_on(false);
+        let _ = self.end();
     }
 }
 
@@ -160,26 +138,21 @@ fn write(
     flushed: &SyncSender<()>,
 ) -> Result<Log, LogWriteError> {
     for batch in batches {
+        let mut rest = &batch.bytes[..];
         for entry in batch.entries {
-            match entry {
-                Entry::Message {
-                    topic,
-                    stamp,
-                    time_ns,
-                    bytes,
-                    rejected,
-                } => {
-                    let bytes = batch.bytes.get(bytes).unwrap_or_default();
-                    let message = LoggedMessage {
-                        topic,
-                        stamp,
-                        time_ns,
-                        bytes,
-                    };
-                    log.message(&message, rejected)?;
-                }
-                Entry::EndOfTick => log.end_of_tick()?,
-            }
+            let Some((topic, stamp, time_ns, length, rejected)) = entry else {
+                log.end_of_tick()?;
+                continue;
+            };
+            let (bytes, behind) = rest.split_at(length);
+            rest = behind;
+            let message = LoggedMessage {
+                topic,
+                stamp,
+                time_ns,
+                bytes,
+            };
+            log.message(&message, rejected)?;
         }
         if batch.flush {
             log.flush_if_due()?;

@@ -106,15 +106,8 @@ impl<P: Planner> ProcessKind for PlannerProcess<P> {
             most(Flow::for_topic::<Waypoints>()),
             most(Flow::for_topic::<RobotEvents>()),
         );
-        let unread = [
-            Flow::for_topic::<Tree>(),
-            Flow::for_topic::<Waypoints>(),
-            Flow::for_topic::<RobotEvents>(),
-        ];
         let mut inputs = declaration.inputs.iter();
-        let mut outputs = declaration.outputs.iter();
-        let is_direct = inputs.all(|input| input.flow == Input::SHAPES.flow)
-            && outputs.all(|output| unread.contains(&output.flow));
+        let is_direct = inputs.all(|input| input.flow == Input::SHAPES.flow);
         let robots = config.run.robots.len();
         let mut driven = config
             .own_robots()
@@ -341,10 +334,6 @@ impl<P: Planner> DirectProcess for PlannerProcess<P> {
             if let Some(error) = driven.planner.failure() {
                 return Err(error);
             }
-            // Planners keep them until they are taken.
-            driven.planner.tree();
-            driven.planner.waypoints();
-            driven.planner.events();
             if let Some(command) = commands.get_mut(me) {
                 *command = Some(steering.command);
             }

@@ -47,8 +47,7 @@ pub trait Process {
     /// Ends the process.
     fn step(&mut self, tick: u64) -> Result<(), ProcessError>;
 
-    /// Returns the process as one that steps without messages, if it reads only state and map, and nobody needs more of it
-    /// than commands.
+    /// Returns the process as one that steps without messages, if it reads only state and map.
     fn direct(&mut self) -> Option<&mut dyn DirectProcess> {
         None
     }

@@ -68,21 +68,14 @@ pub struct Cut {
     pub complete: bool,
 }
 
-/// Inputs that determine an allotment, besides the graph.
-#[derive(Debug, Clone, PartialEq)]
-struct Siege {
-    exits: Vec<Point2<f64>>,
-    evader: EvaderState,
-    blockers: Vec<ExitBlocker>,
-    block_radius: f64,
-}
+/// Inputs that determine an allotment, besides the graph: exits (m), target, blockers and their radius (m).
+type Siege = (Vec<Point2<f64>>, EvaderState, Vec<ExitBlocker>, f64);
 
 /// Places of blockers; `None` for those that drive at the target.
 type Places = Vec<Option<Point2<f64>>>;
 
-/// Allotments of the planners that share a map, the newest last: all pursuers of a target have the same.
-#[derive(Debug, Default)]
-struct Known(Mutex<VecDeque<(Siege, Places)>>);
+/// Allotments of the planners that share a map, the newest first: all pursuers of a target have the same.
+type Known = Mutex<VecDeque<(Siege, Places)>>;
 
 /// Finds cuts; its memory is reused.
 #[derive(Debug, Clone, Default)]
@@ -107,32 +100,19 @@ impl CutSearch {
         blockers: &[ExitBlocker],
         block_radius: f64,
     ) -> Places {
-        let siege = Siege {
-            exits: exits.into_iter().collect(),
-            evader: *evader,
-            blockers: blockers.to_vec(),
-            block_radius,
-        };
-        let grid = finder.grid().filter(|_| map.is_shared());
-        let known = grid.map(|grid| map.derived().get(grid.inflation(), Known::default));
-        let kept = known.as_ref().map(|known| known.0.lock());
-        let kept = kept.map(|kept| kept.unwrap_or_else(PoisonError::into_inner));
-        let mut found = kept.iter().flat_map(|kept| kept.iter().rev());
-        if let Some((_, places)) = found.find(|(known, _)| *known == siege) {
+        let exits: Vec<_> = exits.into_iter().collect();
+        let siege: Siege = (exits.clone(), *evader, blockers.to_vec(), block_radius);
+        let inflation = finder.grid().map(NavGrid::inflation);
+        let known = map.derived().get(inflation, Known::default);
+        let lock = || known.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, places)) = lock().iter().find(|(known, _)| *known == siege) {
             return places.clone();
         }
-        drop(found);
-        drop(kept);
-        let exits = siege.exits.iter().copied();
         let cut = self.cut(map, finder, exits, evader, blockers, block_radius);
         let places = allot(map, finder, blockers, &cut, evader.at);
-        if let Some(known) = known {
-            let mut kept = known.0.lock().unwrap_or_else(PoisonError::into_inner);
-            if kept.len() >= MAX_KEPT {
-                kept.pop_front();
-            }
-            kept.push_back((siege, places.clone()));
-        }
+        let mut known = lock();
+        known.push_front((siege, places.clone()));
+        known.truncate(MAX_KEPT);
         places
     }
 

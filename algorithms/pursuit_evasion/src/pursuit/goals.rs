@@ -81,6 +81,19 @@ pub fn is_known(view: &View<'_>, target: usize, knowledge: Knowledge) -> bool {
     }
 }
 
+/// Returns `false` if the [`estimate`] of a belief is certainly farther than `range` (m) from a place, without computing it.
+pub fn may_be_within(belief: &BeliefView<'_>, here: Point2<f64>, range: f64) -> bool {
+    let near = |x: f64, y: f64, range: f64| {
+        let distance = (Point2::new(x, y) - here).norm();
+        distance.is_nan() || distance <= range
+    };
+    // A mode lies in the square of one of its hypotheses.
+    let reach = range + 1.5 * MODE_CELL;
+    let mut particles = belief.particles.iter();
+    particles.any(|particle| near(particle.x.into(), particle.y.into(), reach))
+        || near(belief.mean.x, belief.mean.y, range)
+}
+
 /// Returns the goal for a hypothesis: a point ahead of it by a share of the distance to it (m), on
 /// this side of the first obstacle. The published program's goal may lie inside a block or beyond
 /// the arena's wall.
