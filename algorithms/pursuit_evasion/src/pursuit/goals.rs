@@ -221,6 +221,30 @@ mod tests {
     }
 
     #[test]
+    fn a_target_that_cannot_be_near_is_far_and_one_with_an_estimate_is_known() {
+        let nothing = [particle(f32::NAN, 0.0, 1.0)];
+        let spread: Vec<_> = (0..40)
+            .map(|i| particle(0.3 * i as f32, (i % 7) as f32, (i % 3) as f32))
+            .collect();
+        for particles in [&nothing[..], &spread[..], &[]] {
+            let beliefs = [belief(particles)];
+            let view = view(&beliefs);
+            let at = estimate(&view, 3, Knowledge::Belief).unwrap().position();
+            assert!(is_known(&view, 3, Knowledge::Belief));
+            let mut far = 0;
+            for i in 0..400 {
+                let here = Point2::new(f64::from(i % 20), f64::from(i / 20));
+                if !may_be_within(&beliefs[0], here, 1.0) {
+                    far += 1;
+                    assert!((at - here).norm() > 1.0, "{here}");
+                }
+            }
+            assert!(far > 0 || particles == &nothing[..], "{far}");
+        }
+        assert!(!is_known(&view(&[]), 3, Knowledge::Belief));
+    }
+
+    #[test]
     fn a_belief_without_usable_particles_falls_back_to_its_mean() {
         let particles = [particle(f32::NAN, 0.0, 1.0), particle(1.0, 1.0, -1.0)];
         let beliefs = [belief(&particles)];
