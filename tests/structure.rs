@@ -36,10 +36,10 @@ const RULES: Rules = Rules {
             "robot",
             "ros_messages",
         ],
+        &["planner_view"],
         &[
             "draw",
             "mcap_log",
-            "planner_view",
             "runtime",
             "scenario_files",
             "sim_backend",

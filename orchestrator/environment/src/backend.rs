@@ -5,7 +5,7 @@ use std::sync::Arc;
 use geometry::pose::{Pose2, Twist2};
 use mission::in_process::SteppedRun;
 use planner::PlannerProcess;
-use planner_view::view::{BeliefView, RobotView};
+use planner_view::view::{BeliefView, RobotView, View};
 use scenario::kind::ConfiguredKind;
 use sim_backend::world::World;
 
@@ -18,11 +18,12 @@ pub trait Backend: Sized {
     /// Begins an episode.
     fn new(shared: &SharedData, seed: u64) -> Result<Self, EnvironmentError>;
 
-    /// Does a step. `commands` are those of all robots; only those of agents are used.
+    /// Does a step. `commands` are those of all robots; only those of agents are read. `views` is memory.
     fn step(
         &mut self,
         shared: &SharedData,
-        commands: &[Option<Twist2>],
+        commands: &mut [Option<Twist2>],
+        views: &mut Vec<RobotView>,
     ) -> Result<(), EnvironmentError>;
 
     /// Lets the other processes sense the state, for the observation that follows and the next step.
@@ -51,6 +52,12 @@ pub fn view_robots(world: &World, views: &mut Vec<RobotView>) {
     }));
 }
 
+/// Returns the time (s), to the last bit as processes compute it from the stamp of a state.
+pub fn time_s(world: &World) -> f64 {
+    // 2⁶⁴ ns are 584 years.
+    world.time().as_nanos() as u64 as f64 * 1e-9
+}
+
 /// The world alone.
 #[derive(Debug)]
 pub struct WorldBackend(World);
@@ -64,7 +71,8 @@ impl Backend for WorldBackend {
     fn step(
         &mut self,
         shared: &SharedData,
-        commands: &[Option<Twist2>],
+        commands: &mut [Option<Twist2>],
+        _: &mut Vec<RobotView>,
     ) -> Result<(), EnvironmentError> {
         self.0.step(commands, shared.dt);
         Ok(())
@@ -87,6 +95,8 @@ impl Backend for WorldBackend {
 pub struct WithProcesses {
     run: SteppedRun,
     commands: Arc<Current>,
+    /// `true` if all planners step on one view, without messages.
+    is_direct: bool,
 }
 
 impl Backend for WithProcesses {
@@ -103,15 +113,39 @@ impl Backend for WithProcesses {
         }
         let beliefs = shared.options.observation.belief;
         let mut run = SteppedRun::open(&scenario, &own, beliefs, &shared.cache)?;
-        run.sense()?;
-        Ok(Self { run, commands })
+        let is_quiet = scenario.events.is_empty()
+            && scenario.links_by_receiver().iter().all(Vec::is_empty)
+            && shared.options.programs.is_empty();
+        let is_direct = is_quiet && !beliefs && run.is_direct();
+        let mut this = Self {
+            run,
+            commands,
+            is_direct,
+        };
+        this.sense()?;
+        Ok(this)
     }
 
     fn step(
         &mut self,
         shared: &SharedData,
-        commands: &[Option<Twist2>],
+        commands: &mut [Option<Twist2>],
+        views: &mut Vec<RobotView>,
     ) -> Result<(), EnvironmentError> {
+        if self.is_direct {
+            let world = self.run.world();
+            view_robots(world, views);
+            let view = View {
+                time_s: time_s(world),
+                dt: shared.dt.as_secs_f64(),
+                me: 0,
+                robots: views,
+                beliefs: &[],
+                exits: &shared.exits,
+                scan: None,
+            };
+            return Ok(self.run.drive(&view, commands)?);
+        }
         for &robot in &shared.agents.robots {
             let command = commands.get(robot).copied().flatten();
             if let (Some(facts), Some(command)) = (shared.facts.get(robot), command) {
@@ -122,7 +156,9 @@ impl Backend for WithProcesses {
     }
 
     fn sense(&mut self) -> Result<(), EnvironmentError> {
-        self.run.sense()?;
+        if !self.is_direct {
+            self.run.sense()?;
+        }
         Ok(())
     }
 

@@ -12,10 +12,10 @@ use observation::scene::{OcclusionCache, Scene};
 use planner_view::map::PlannerMap;
 use planner_view::view::{BeliefView, RobotView, ScanView, View};
 use sim_backend::robot::Robot;
-use sim_backend::world::{GameOver, World};
+use sim_backend::world::GameOver;
 
 use crate::arrays::ArraysMut;
-use crate::backend::{Backend, view_robots};
+use crate::backend::{Backend, time_s, view_robots};
 use crate::episode::Episode;
 use crate::episode_seed::episode_seed;
 use crate::error::EnvironmentError;
@@ -245,7 +245,10 @@ impl<B: Backend> Instance<B> {
                 .filter_map(|&robot| scratch.commands[robot]);
             self.running.commands.extend(commands);
         }
-        self.backend.step(shared, &scratch.commands)?;
+        let Scratch {
+            commands, robots, ..
+        } = scratch;
+        self.backend.step(shared, commands, robots)?;
         self.judge(shared, scratch, row);
         row.lengths.fill(self.running.steps);
         Ok(())
@@ -406,10 +409,4 @@ fn update_map(
         *map = planner_map(world, blur_sigma)?;
     }
     Ok(())
-}
-
-/// Returns the time (s), to the last bit as processes compute it from the stamp of a state.
-fn time_s(world: &World) -> f64 {
-    // 2⁶⁴ ns are 584 years.
-    world.time().as_nanos() as u64 as f64 * 1e-9
 }

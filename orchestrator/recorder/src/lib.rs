@@ -22,6 +22,7 @@ mod event_list;
 mod field_of_view;
 mod link_counts;
 mod log;
+mod log_thread;
 mod message_audit;
 mod message_counts;
 mod outages;

@@ -1,6 +1,8 @@
 //! Log of a run: topics and derived channels.
 
 use std::collections::BTreeMap;
+use std::path::Path;
+use std::time::Duration;
 
 use ipc_types::consumer::LoggedMessage;
 use ipc_types::layout::TopicLayout;
@@ -94,6 +96,15 @@ impl Log {
             Some(derived) => derived.update(&mut self.writer, |d| d.end_of_tick(&mut ())),
             None => Ok(()),
         }
+    }
+
+    pub(super) fn path(&self) -> &Path {
+        self.writer.path()
+    }
+
+    /// Returns the maximum age of messages that are not written.
+    pub(super) fn flush_every(&self) -> Duration {
+        self.writer.flush_every()
     }
 
     pub(super) fn flush_if_due(&mut self) -> Result<(), LogWriteError> {

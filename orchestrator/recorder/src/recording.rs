@@ -14,6 +14,7 @@ use super::checks::is_decodable;
 use super::derived::DerivedTopics;
 use super::digest_prefixes::DigestPrefixes;
 use super::log::Log;
+use super::log_thread::LogThread;
 use super::message_audit::MessageAudit;
 use super::outcome;
 use super::parts::Parts;
@@ -44,7 +45,7 @@ pub struct Recording {
 /// Consumers of the ordered messages.
 struct Output {
     outcome: Consumers<dyn OutcomePart>,
-    log: Option<Log>,
+    log: Option<LogThread>,
     /// The robots, by index.
     robots: Vec<RobotInfo>,
     tick_period_ns: u64,
@@ -72,7 +73,7 @@ impl Recording {
         }
     }
 
-    /// Adds an empty log, with derived channels.
+    /// Adds an empty log, with derived channels. It is written on a thread of its own.
     ///
     /// # Errors
     /// [`LogWriteError`].
@@ -81,7 +82,8 @@ impl Recording {
         log: LogWriter,
         derived: Option<Box<dyn DerivedTopics>>,
     ) -> Result<Self, LogWriteError> {
-        self.output.log = Some(Log::new(log, &self.output.robots, derived)?);
+        let log = Log::new(log, &self.output.robots, derived)?;
+        self.output.log = Some(LogThread::start(log)?);
         Ok(self)
     }
 
@@ -159,7 +161,8 @@ impl Recording {
         observer: &mut dyn Consumer,
     ) -> Result<(), LogWriteError> {
         self.write(completed, observer)?;
-        self.output.end_of_tick()
+        self.output.end_of_tick();
+        Ok(())
     }
 
     /// Writes complete ticks, in order: those up to `completed`, whose messages have all been sent, and those
@@ -190,7 +193,7 @@ impl Recording {
         self.write(last, observer)?;
         // The end of an incomplete tick is not reported yet.
         if completed >= Some(last) {
-            self.output.end_of_tick()?;
+            self.output.end_of_tick();
         }
         Ok(())
     }
@@ -281,10 +284,9 @@ impl Output {
         Ok(())
     }
 
-    fn end_of_tick(&mut self) -> Result<(), LogWriteError> {
-        match &mut self.log {
-            Some(log) => log.end_of_tick(),
-            None => Ok(()),
+    fn end_of_tick(&mut self) {
+        if let Some(log) = &mut self.log {
+            log.end_of_tick();
         }
     }
 }

@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use geometry::map::MapSpec;
-use geometry::pose::Pose2;
+use geometry::pose::{Pose2, Twist2};
 use geometry::region::Region;
 use ipc_types::bus::{Bus, Publisher, PublisherOptions};
 use ipc_types::stamp::Stamp;
@@ -20,7 +20,7 @@ use runtime::error::ProcessError;
 use runtime::inputs::{
     BeliefInput, Latest, MapInput, ScanInput, ShapesInput, StateInput, reply_stamp,
 };
-use runtime::kind::{Process, ProcessKind, Remark, Task, TaskFault, TaskSketch};
+use runtime::kind::{DirectProcess, Process, ProcessKind, Remark, Task, TaskFault, TaskSketch};
 use runtime::maps::Maps;
 
 use crate::error::PlannerError;
@@ -46,6 +46,8 @@ pub struct PlannerProcess<P: Planner> {
     trees: Option<Publisher<Tree>>,
     waypoints: Option<Publisher<Waypoints>>,
     events: Option<Publisher<RobotEvents>>,
+    /// `true` if its planners need no messages.
+    is_direct: bool,
     config: ProcessConfig,
     map: Option<Arc<PlannerMap>>,
     exits: Vec<Point2<f64>>,
@@ -104,6 +106,8 @@ impl<P: Planner> ProcessKind for PlannerProcess<P> {
             most(Flow::for_topic::<Waypoints>()),
             most(Flow::for_topic::<RobotEvents>()),
         );
+        let mut inputs = declaration.inputs.iter();
+        let is_direct = inputs.all(|input| input.flow == Input::SHAPES.flow);
         let robots = config.run.robots.len();
         let mut driven = config
             .own_robots()
@@ -143,6 +147,7 @@ impl<P: Planner> ProcessKind for PlannerProcess<P> {
                 .map(|most| bus.publisher(PublisherOptions::new(config.index, most)))
                 .transpose()?,
             teams: teams(&config.run.robots),
+            is_direct,
             config: config.clone(),
             map: None,
             exits: config.run.exits.iter().map(Region::center).collect(),
@@ -217,9 +222,7 @@ impl<P: Planner> Process for PlannerProcess<P> {
         }
         let Some(map) = &self.map else {
             if self.config.run.clock == Clock::LockStep {
-                let text = "it is the turn of a tick, but no sound world/map has come (with its \
-                            world/shapes, if the planner needs them)";
-                return Err(ProcessError::Protocol(text.into()));
+                return Err(no_map());
             }
             // In real time a state may arrive before the map. Without a command the robot stands.
             return Ok(());
@@ -297,12 +300,45 @@ impl<P: Planner> Process for PlannerProcess<P> {
         Ok(())
     }
 
+    fn direct(&mut self) -> Option<&mut dyn DirectProcess> {
+        if self.is_direct { Some(self) } else { None }
+    }
+
     fn rejected(&self) -> u64 {
         self.state.rejected
             + self.map_input.rejected
             + self.shapes.as_ref().map_or(0, |s| s.rejected)
             + self.beliefs.as_ref().map_or(0, |b| b.rejected)
             + self.scans.as_ref().map_or(0, |s| s.rejected)
+    }
+}
+
+impl<P: Planner> DirectProcess for PlannerProcess<P> {
+    fn steer(
+        &mut self,
+        view: &View<'_>,
+        commands: &mut [Option<Twist2>],
+    ) -> Result<(), ProcessError> {
+        let Some(map) = &self.map else {
+            return Err(no_map());
+        };
+        for driven in &mut self.driven {
+            let me = driven.robot as usize;
+            let view = View {
+                dt: self.config.step_period(),
+                me,
+                exits: &self.exits,
+                ..*view
+            };
+            let steering = driven.planner.steer(map, &view);
+            if let Some(error) = driven.planner.failure() {
+                return Err(error);
+            }
+            if let Some(command) = commands.get_mut(me) {
+                *command = Some(steering.command);
+            }
+        }
+        Ok(())
     }
 }
 
@@ -336,6 +372,12 @@ impl<P: Planner> PlannerProcess<P> {
         self.map = Some(planner_map(&self.map_input, shapes, is_shared)?);
         Ok(true)
     }
+}
+
+fn no_map() -> ProcessError {
+    let text = "it is the turn of a tick, but no sound world/map has come (with its world/shapes, if \
+                the planner needs them)";
+    ProcessError::Protocol(text.into())
 }
 
 fn scan_view(scan: &Latest<Scan>) -> ScanView<'_> {

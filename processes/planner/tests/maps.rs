@@ -42,8 +42,8 @@ fn header() -> MapHeader {
 fn processes_of_one_thread_make_a_map_once() {
     let maps = Arc::new(Maps::default());
     let bus = bus();
-    let map_state = MapState {
-        spec: MapSpec::Vector(VectorMap::empty([0.0; 2], [2.0, 2.0], 0.5)),
+    let mut map_state = MapState {
+        spec: Arc::new(MapSpec::Vector(VectorMap::empty([0.0; 2], [2.0, 2.0], 0.5))),
         changes: Vec::new(),
         blur_sigma: 0.5,
     };
@@ -53,7 +53,7 @@ fn processes_of_one_thread_make_a_map_once() {
         ..MapCell::default()
     };
     let draw = || Ok::<_, core::convert::Infallible>((header(), vec![free; CELLS]));
-    let Ok((header, cells)) = maps.message(&map_state, draw);
+    let Ok((header, cells)) = maps.message(&mut map_state, draw);
     let sender = bus
         .publisher::<WorldMap>(PublisherOptions::new(0, CELLS))
         .unwrap();

@@ -5,10 +5,12 @@ use parameters::Parameters;
 use std::sync::Arc;
 
 use geometry::map::{MapSpec, WorldMap};
+use geometry::pose::Twist2;
 use geometry::shape::Shape;
 use geometry::visibility::polygon::SightLimits;
 use ipc_types::bus::Bus;
 use ipc_types::topics::{Scan, WorldShapes};
+use planner_view::view::View;
 use robot::spec::RobotSpec;
 use serde::{Deserialize, Serialize};
 
@@ -45,10 +47,28 @@ pub trait Process {
     /// Ends the process.
     fn step(&mut self, tick: u64) -> Result<(), ProcessError>;
 
+    /// Returns the process as one that steps without messages, if it reads only state and map.
+    fn direct(&mut self) -> Option<&mut dyn DirectProcess> {
+        None
+    }
+
     /// Returns the number of rejected messages so far.
     fn rejected(&self) -> u64 {
         0
     }
+}
+
+/// Process that steps without messages, on the map that [`Process::prepare`] has taken.
+pub trait DirectProcess {
+    /// Does one tick: writes the commands of its robots on a view, whose robot is any, into `commands`, by robot.
+    ///
+    /// # Errors
+    /// As [`Process::step`].
+    fn steer(
+        &mut self,
+        view: &View<'_>,
+        commands: &mut [Option<Twist2>],
+    ) -> Result<(), ProcessError>;
 }
 
 /// Kind of process: its name, its parameters, its inputs and outputs, and its constructor.

@@ -19,7 +19,7 @@ const MAX_MAPS: usize = 16;
 #[derive(Debug, Clone, PartialEq)]
 pub struct MapState {
     /// The map state at the start.
-    pub spec: MapSpec,
+    pub spec: Arc<MapSpec>,
     /// Changes since then, in order.
     pub changes: Vec<ObstacleChange>,
     /// Standard deviation of the blur (m).
@@ -45,14 +45,14 @@ pub struct Maps {
 }
 
 impl Maps {
-    /// Returns the message of a map state. If there is none yet, `draw` makes it, and its stamp is
+    /// Returns the message of a map state, whose description the state then shares. If there is none yet, `draw` makes it, and its stamp is
     /// that of this caller.
     ///
     /// # Errors
     /// Those of `draw`.
     pub fn message<E>(
         &self,
-        map_state: &MapState,
+        map_state: &mut MapState,
         draw: impl FnOnce() -> Result<(MapHeader, Vec<MapCell>), E>,
     ) -> Result<(MapHeader, Arc<[MapCell]>), E> {
         if let Some(known) = self
@@ -60,6 +60,7 @@ impl Maps {
             .iter()
             .find(|drawn| drawn.map_state == *map_state)
         {
+            map_state.spec = Arc::clone(&known.map_state.spec);
             return Ok((known.header, Arc::clone(&known.cells)));
         }
         let (header, cells) = draw()?;
@@ -133,7 +134,11 @@ mod tests {
 
     fn map_state(width: f64) -> MapState {
         MapState {
-            spec: MapSpec::Vector(VectorMap::empty([0.0; 2], [width, 2.0], 0.5)),
+            spec: Arc::new(MapSpec::Vector(VectorMap::empty(
+                [0.0; 2],
+                [width, 2.0],
+                0.5,
+            ))),
             changes: Vec::new(),
             blur_sigma: 0.5,
         }
@@ -144,7 +149,7 @@ mod tests {
             *drawn += 1;
             Ok::<_, Infallible>((MapHeader::default(), vec![MapCell::default(); 4]))
         };
-        let Ok((_, cells)) = maps.message(map_state, draw);
+        let Ok((_, cells)) = maps.message(&mut map_state.clone(), draw);
         cells
     }
 

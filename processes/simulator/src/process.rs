@@ -143,7 +143,7 @@ impl Simulator {
             World::new(params.world.clone()).map_err(|e| refused(config, &e.to_string()))?;
         let shared = maps.map(|maps| {
             let map_state = MapState {
-                spec: params.world.map.clone(),
+                spec: Arc::new(params.world.map.clone()),
                 changes: Vec::new(),
                 blur_sigma: params.blur_sigma,
             };
@@ -234,7 +234,7 @@ impl Simulator {
         if self.map_revision != Some(revision) {
             let draw = || outputs::map_message(self.world.map(), self.blur_sigma, stamp);
             let failed = |e: BlurError| ProcessError::Algorithm(e.to_string());
-            if let Some((maps, map_state)) = &self.shared {
+            if let Some((maps, map_state)) = &mut self.shared {
                 let (header, cells) = maps.message(map_state, draw).map_err(failed)?;
                 self.map_out
                     .send_shared(MapHeader { stamp, ..header }, &cells)?;
@@ -419,6 +419,12 @@ impl Simulator {
             }
         }
         Ok(())
+    }
+
+    /// Steps the world to the next tick with commands by robot, without messages.
+    pub fn drive(&mut self, commands: &[Option<Twist2>]) {
+        self.world.step(commands, self.tick_period);
+        self.tick += 1;
     }
 
     /// Steps the world to the next tick with the commands in force: those at most `max_age` ticks

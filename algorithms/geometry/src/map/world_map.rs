@@ -105,14 +105,16 @@ pub enum ObstacleError {
 /// assert_eq!(map.cast_ray(robot, Vector2::x(), 3.5), None);
 /// # Ok::<(), Box<dyn core::error::Error>>(())
 /// ```
+///
+/// Clones share their contents until they change.
 #[derive(Debug, Clone)]
 pub struct WorldMap {
-    exits: Vec<Region>,
+    exits: Arc<[Region]>,
     /// Rectangles of an occupancy grid; they never change.
-    static_parts: Vec<Convex>,
-    obstacles: Vec<Obstacle>,
+    static_parts: Arc<[Convex]>,
+    obstacles: Arc<Vec<Obstacle>>,
     revision: u64,
-    /// The pieces of static parts and obstacles, in this order; clones share them until they change.
+    /// The pieces of static parts and obstacles, in this order.
     shapes: Arc<ShapeMap>,
 }
 
@@ -198,9 +200,9 @@ impl WorldMap {
         obstacles: Vec<Obstacle>,
     ) -> Self {
         let mut map = Self {
-            exits,
-            static_parts,
-            obstacles,
+            exits: exits.into(),
+            static_parts: static_parts.into(),
+            obstacles: Arc::new(obstacles),
             revision: 0,
             shapes: Arc::new(ShapeMap::new(
                 Vec::new(),
@@ -218,8 +220,8 @@ impl WorldMap {
 
     /// Recomputes all data that depend on static parts and obstacles.
     fn rebuild(&mut self, bounds: Aabb, frame: GridFrame) {
-        let mut parts = self.static_parts.clone();
-        for obstacle in &self.obstacles {
+        let mut parts = self.static_parts.to_vec();
+        for obstacle in &*self.obstacles {
             parts.extend_from_slice(&obstacle.parts);
         }
         self.shapes = Arc::new(ShapeMap::new(parts, bounds, frame));
@@ -237,12 +239,14 @@ impl WorldMap {
                 .parts()
                 .map_err(|source| ObstacleError::Shape { id, source })
         };
+        // A copy, if other clones hold them.
+        let obstacles = Arc::make_mut(&mut self.obstacles);
         match (change, position) {
             (ObstacleChange::Appear { .. }, Some(_)) => return Err(ObstacleError::InUse(id)),
             (ObstacleChange::Appear { shape, .. }, None) => {
                 let parts = parts_of(shape)?;
                 let shape = shape.clone();
-                self.obstacles.push(Obstacle {
+                obstacles.push(Obstacle {
                     id,
                     name: String::new(),
                     shape,
@@ -251,12 +255,12 @@ impl WorldMap {
             }
             (_, None) => return Err(ObstacleError::Unknown(id)),
             (ObstacleChange::Disappear { .. }, Some(i)) => {
-                self.obstacles.remove(i);
+                obstacles.remove(i);
             }
             (ObstacleChange::Move { shape, .. }, Some(i)) => {
                 let parts = parts_of(shape)?;
-                self.obstacles[i].shape = shape.clone();
-                self.obstacles[i].parts = parts;
+                obstacles[i].shape = shape.clone();
+                obstacles[i].parts = parts;
             }
         }
         self.revision += 1;

@@ -12,8 +12,8 @@ use planner_view::map::PlannerMap;
 use planner_view::view::{RobotView, View};
 use robot::team::Role;
 
-use super::cut_off::{CutSearch, EvaderState, ExitBlocker, allot};
-use super::goals::estimate;
+use super::cut_off::{CutSearch, EvaderState, ExitBlocker};
+use super::goals::{estimate, is_known};
 use super::matching::{balanced, milliseconds};
 use super::params::{AssignmentMethod, AssignmentParams};
 use super::slots;
@@ -121,25 +121,27 @@ impl Assigner {
         finder: &mut RouteFinder,
         view: &View<'_>,
     ) -> Option<usize> {
+        let knowledge = self.params.knowledge;
         let pursuers: Vec<&RobotView> = view.teammates(Role::Pursuer).take(MAX_MATCHED).collect();
-        let evaders: Vec<(&RobotView, Point2<f64>)> = view
+        let known: Vec<&RobotView> = view
             .opponents(Role::Evader)
-            .filter_map(|evader| {
-                let pose = estimate(view, evader.index, self.params.knowledge)?;
-                Some((evader, pose.position()))
-            })
+            .filter(|evader| is_known(view, evader.index, knowledge))
             .take(MAX_MATCHED)
             .collect();
         let period = (view.time_s / self.params.period_s).floor() as i64;
         let teams = (
             pursuers.iter().map(|robot| robot.index).collect::<Vec<_>>(),
-            evaders
-                .iter()
-                .map(|(robot, _)| robot.index)
-                .collect::<Vec<_>>(),
+            known.iter().map(|robot| robot.index).collect::<Vec<_>>(),
             period,
         );
         if self.solved_for.as_ref() != Some(&teams) {
+            let evaders: Vec<(&RobotView, Point2<f64>)> = known
+                .into_iter()
+                .filter_map(|evader| {
+                    let pose = estimate(view, evader.index, knowledge)?;
+                    Some((evader, pose.position()))
+                })
+                .collect();
             let costs = self.costs(map, finder, &pursuers, &evaders);
             self.targets = balanced(&costs, pursuers.len(), evaders.len())
                 .into_iter()
@@ -185,10 +187,9 @@ impl Assigner {
             v_max: evader.v_max,
         };
         let exits = view.usable_exits();
-        let cut = self
+        let places = self
             .cuts
-            .cut(map, finder, exits, &evader, &blockers, radius);
-        let places = allot(map, finder, &blockers, &cut, at);
+            .places(map, finder, exits, &evader, &blockers, radius);
         self.places = who.into_iter().zip(places).collect();
     }
 

@@ -15,8 +15,8 @@ use planner_view::view::{RobotView, View};
 use robot::team::Role;
 
 use super::assignment::{Assigner, Order};
-use super::goals::{Hypothesis, estimate, goals, hypotheses};
-use super::params::PursuerParams;
+use super::goals::{Hypothesis, estimate, goals, hypotheses, may_be_within};
+use super::params::{Knowledge, PursuerParams};
 use super::slots;
 
 /// Distance to a visible target below which a pursuer that cuts it off drives at it (m).
@@ -85,6 +85,11 @@ impl Pursuer {
     /// Returns `true` if a target can be driven at directly.
     fn is_close(&self, map: &PlannerMap, view: &View<'_>, own: &RobotView, target: usize) -> bool {
         let here = own.pose.position();
+        let belief = view.belief(target);
+        let belief = belief.filter(|_| self.params.knowledge == Knowledge::Belief);
+        if belief.is_some_and(|belief| !may_be_within(belief, here, CLOSE)) {
+            return false;
+        }
         estimate(view, target, self.params.knowledge).is_some_and(|pose| {
             let there = pose.position();
             (there - here).norm() <= CLOSE && map.line_is_clear(here, there, 0.0)

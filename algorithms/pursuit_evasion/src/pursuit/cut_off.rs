@@ -20,7 +20,8 @@
 //! [`block_radius`]: super::params::AssignmentParams::block_radius
 
 use core::cmp::Reverse;
-use std::collections::BinaryHeap;
+use std::collections::{BinaryHeap, VecDeque};
+use std::sync::{Mutex, PoisonError};
 
 use nalgebra::Point2;
 use navigation::routes::{NavGrid, RouteFinder, RouteTree};
@@ -31,6 +32,9 @@ use super::matching::{milliseconds, one_each};
 /// Candidate places of cuts, as shares of the path from the first place reached in time to the
 /// exit.
 const SHARES: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
+
+/// Number of allotments that planners of a shared map keep for each other: those of several runs at once.
+const MAX_KEPT: usize = 16;
 
 /// Length (mm) that means "no path", and node that means "none".
 const NONE: u32 = u32::MAX;
@@ -64,14 +68,18 @@ pub struct Cut {
     pub complete: bool,
 }
 
+/// Inputs that determine an allotment, besides the graph: exits (m), target, blockers and their radius (m).
+type Siege = (Vec<Point2<f64>>, EvaderState, Vec<ExitBlocker>, f64);
+
+/// Places of blockers; `None` for those that drive at the target.
+type Places = Vec<Option<Point2<f64>>>;
+
+/// Allotments of the planners that share a map, the newest first: all pursuers of a target have the same.
+type Known = Mutex<VecDeque<(Siege, Places)>>;
+
 /// Finds cuts; its memory is reused.
 #[derive(Debug, Clone, Default)]
 pub struct CutSearch {
-    /// Shortest paths to the exits, without blocked nodes.
-    to_exit: RouteTree,
-    exits: Vec<usize>,
-    /// Revision, number of nodes and exits of these paths.
-    built_for: Option<(u64, usize, Vec<usize>)>,
     blocked: Vec<bool>,
     length: Vec<u32>,
     parent: Vec<u32>,
@@ -82,6 +90,32 @@ pub struct CutSearch {
 }
 
 impl CutSearch {
+    /// Returns the places of the blockers, a [cut](Self::cut) at the minimum sum of driving times.
+    pub(super) fn places(
+        &mut self,
+        map: &PlannerMap,
+        finder: &mut RouteFinder,
+        exits: impl IntoIterator<Item = Point2<f64>>,
+        evader: &EvaderState,
+        blockers: &[ExitBlocker],
+        block_radius: f64,
+    ) -> Places {
+        let exits: Vec<_> = exits.into_iter().collect();
+        let siege: Siege = (exits.clone(), *evader, blockers.to_vec(), block_radius);
+        let inflation = finder.grid().map(NavGrid::inflation);
+        let known = map.derived().get(inflation, Known::default);
+        let lock = || known.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, places)) = lock().iter().find(|(known, _)| *known == siege) {
+            return places.clone();
+        }
+        let cut = self.cut(map, finder, exits, evader, blockers, block_radius);
+        let places = allot(map, finder, blockers, &cut, evader.at);
+        let mut known = lock();
+        known.push_front((siege, places.clone()));
+        known.truncate(MAX_KEPT);
+        places
+    }
+
     /// Returns a cut between a target and the exits (m), with fewer places than blockers.
     ///
     /// `finder` must have been prepared for the map. The cut is empty for fewer than two blockers,
@@ -99,30 +133,44 @@ impl CutSearch {
         let Some(grid) = finder.grid().filter(|_| most > 0) else {
             return Cut::default();
         };
-        let exits = exits
-            .into_iter()
-            .filter_map(|exit| grid.node_at(exit))
-            .collect();
+        let exits = exits.into_iter();
+        let exits: Vec<usize> = exits.filter_map(|exit| grid.node_at(exit)).collect();
+        // Shortest paths to the exits, without blocked nodes.
+        let key = (grid.inflation().to_bits(), exits.clone());
+        let to_exit = &*map.derived().get(key, || {
+            let mut tree = RouteTree::default();
+            tree.plant_without_gates(grid, &exits, &[]);
+            tree.settle(grid, u32::MAX);
+            tree
+        });
         let nodes = grid.len();
-        self.prepare(map.revision(), grid, exits);
         let Some(start) = grid.node_at(evader.at) else {
             return Cut::default();
         };
+        self.blocked.clear();
+        self.blocked.resize(nodes, false);
+        let is_open = finder
+            .grid()
+            .is_some_and(|grid| self.way_out(grid, &exits, to_exit, start));
+        if !is_open {
+            return Cut {
+                complete: true,
+                ..Cut::default()
+            };
+        }
+        let shortest = self.way.clone();
         let mut tight = None;
         for share in SHARES {
-            self.blocked.clear();
-            self.blocked.resize(nodes, false);
+            self.blocked.fill(false);
+            self.way.clone_from(&shortest);
             let mut cut = Cut::default();
-            loop {
-                cut.complete = !finder.grid().is_some_and(|grid| self.way_out(grid, start));
-                if cut.complete || cut.places.len() >= most {
-                    break;
-                }
+            while !cut.complete && cut.places.len() < most {
                 let place = self.place(map, finder, evader.v_max, blockers, share);
-                if let Some(grid) = finder.grid() {
-                    self.block(grid, start, place, block_radius);
-                }
                 cut.places.push(place);
+                cut.complete = !finder.grid().is_some_and(|grid| {
+                    self.block(grid, start, place, block_radius);
+                    self.way_out(grid, &exits, to_exit, start)
+                });
             }
             if cut.complete {
                 return cut;
@@ -132,31 +180,25 @@ impl CutSearch {
         tight.unwrap_or_default()
     }
 
-    /// Measures the paths to the exits, once per map.
-    fn prepare(&mut self, revision: u64, grid: &NavGrid, exits: Vec<usize>) {
-        let wanted = (revision, grid.len(), exits);
-        if self.built_for.as_ref() == Some(&wanted) {
-            return;
-        }
-        self.to_exit.plant_without_gates(grid, &wanted.2, &[]);
-        self.to_exit.settle(grid, u32::MAX);
-        self.exits.clone_from(&wanted.2);
-        self.built_for = Some(wanted);
-    }
-
     /// Finds the shortest path from a node to an exit past the blocked nodes; returns `true` if
     /// there is one.
     ///
     /// A\* with the unblocked lengths as heuristic. They are consistent: blocking only makes paths
     /// longer.
-    fn way_out(&mut self, grid: &NavGrid, start: usize) -> bool {
+    fn way_out(
+        &mut self,
+        grid: &NavGrid,
+        exits: &[usize],
+        to_exit: &RouteTree,
+        start: usize,
+    ) -> bool {
         self.way.clear();
         self.length.clear();
         self.length.resize(grid.len(), NONE);
         self.parent.clear();
         self.parent.resize(grid.len(), NONE);
         self.queue.clear();
-        let Some(ahead) = self.to_exit.length_mm(start) else {
+        let Some(ahead) = to_exit.length_mm(start) else {
             return false;
         };
         self.queue.push(Reverse((ahead, start as u32)));
@@ -164,11 +206,11 @@ impl CutSearch {
         while let Some(Reverse((estimate, node))) = self.queue.pop() {
             let node = node as usize;
             let length = self.length[node];
-            let ahead = self.to_exit.length_mm(node).unwrap_or(NONE);
+            let ahead = to_exit.length_mm(node).unwrap_or(NONE);
             if estimate > length.saturating_add(ahead) {
                 continue;
             }
-            if self.exits.contains(&node) && !self.blocked[node] {
+            if exits.contains(&node) && !self.blocked[node] {
                 self.retrace(grid, node);
                 return true;
             }
@@ -177,7 +219,7 @@ impl CutSearch {
                 let reached = length.saturating_add(edge.length);
                 if !self.blocked[to]
                     && reached < self.length[to]
-                    && let Some(ahead) = self.to_exit.length_mm(to)
+                    && let Some(ahead) = to_exit.length_mm(to)
                 {
                     self.length[to] = reached;
                     self.parent[to] = node as u32;
@@ -252,13 +294,13 @@ impl CutSearch {
 
 /// Assigns the places of a cut to the blockers, at the minimum sum of driving times; `None` for
 /// those that drive at the target at `at` (m) itself.
-pub fn allot(
+fn allot(
     map: &PlannerMap,
     finder: &mut RouteFinder,
     blockers: &[ExitBlocker],
     cut: &Cut,
     at: Point2<f64>,
-) -> Vec<Option<Point2<f64>>> {
+) -> Places {
     let count = blockers.len();
     let goals: Vec<_> = (0..count)
         .map(|column| cut.places.get(column).copied())

@@ -70,6 +70,30 @@ pub fn estimate(view: &View<'_>, target: usize, knowledge: Knowledge) -> Option<
     }
 }
 
+/// Returns `true` if there is an [`estimate`] of a target's position, without computing it.
+pub fn is_known(view: &View<'_>, target: usize, knowledge: Knowledge) -> bool {
+    match knowledge {
+        Knowledge::Exact => view.robot(target).is_some(),
+        Knowledge::Belief => view.belief(target).is_some_and(|belief| {
+            let mut particles = belief.particles.iter();
+            particles.any(|particle| particle.usable().is_some()) || belief.mean.is_finite()
+        }),
+    }
+}
+
+/// Returns `false` if the [`estimate`] of a belief is certainly farther than `range` (m) from a place, without computing it.
+pub fn may_be_within(belief: &BeliefView<'_>, here: Point2<f64>, range: f64) -> bool {
+    let near = |x: f64, y: f64, range: f64| {
+        let distance = (Point2::new(x, y) - here).norm();
+        distance.is_nan() || distance <= range
+    };
+    // A mode lies in the square of one of its hypotheses.
+    let reach = range + 1.5 * MODE_CELL;
+    let mut particles = belief.particles.iter();
+    particles.any(|particle| near(particle.x.into(), particle.y.into(), reach))
+        || near(belief.mean.x, belief.mean.y, range)
+}
+
 /// Returns the goal for a hypothesis: a point ahead of it by a share of the distance to it (m), on
 /// this side of the first obstacle. The published program's goal may lie inside a block or beyond
 /// the arena's wall.
@@ -116,43 +140,33 @@ fn mean(belief: &BeliefView<'_>) -> Option<Hypothesis> {
 /// Returns the mean pose of the square metre with the highest weight; of several, the one with the
 /// lowest coordinates.
 fn mode(belief: &BeliefView<'_>) -> Option<Hypothesis> {
-    #[derive(Default)]
-    struct Sums {
-        weight: f64,
-        x: f64,
-        y: f64,
-        sin: f64,
-        cos: f64,
-    }
-    let mut cells: BTreeMap<(i64, i64), Sums> = BTreeMap::new();
-    for (pose, weight) in belief
-        .particles
-        .iter()
-        .filter_map(planner_view::view::ParticleView::usable)
-    {
+    let hypotheses = || {
+        let particles = belief.particles.iter();
+        let usable = particles.filter_map(planner_view::view::ParticleView::usable);
         let cell = |value: f64| (value / MODE_CELL).floor() as i64;
-        let sums = cells.entry((cell(pose.x), cell(pose.y))).or_default();
-        let (sin, cos) = math::sincos(pose.theta);
-        sums.weight += weight;
-        sums.x += weight * pose.x;
-        sums.y += weight * pose.y;
-        sums.sin += weight * sin;
-        sums.cos += weight * cos;
+        usable.map(move |(pose, weight)| ((cell(pose.x), cell(pose.y)), pose, weight))
+    };
+    let mut weights: BTreeMap<(i64, i64), f64> = BTreeMap::new();
+    for (cell, _, weight) in hypotheses() {
+        *weights.entry(cell).or_default() += weight;
     }
-    let mut best: Option<&Sums> = None;
-    for sums in cells.values() {
-        if best.is_none_or(|found| sums.weight > found.weight) {
-            best = Some(sums);
+    let mut best: Option<((i64, i64), f64)> = None;
+    for (cell, weight) in weights {
+        if best.is_none_or(|(_, found)| weight > found) {
+            best = Some((cell, weight));
         }
     }
-    best.map(|sums| {
-        let theta = math::atan2(sums.sin, sums.cos);
-        (
-            Pose2::new(sums.x / sums.weight, sums.y / sums.weight, theta),
-            1.0,
-        )
-    })
-    .filter(|(pose, _)| pose.is_finite())
+    let (best, total) = best?;
+    let [mut x, mut y, mut sin_sum, mut cos_sum] = [0.0; 4];
+    for (_, pose, weight) in hypotheses().filter(|(cell, ..)| *cell == best) {
+        let (sin, cos) = math::sincos(pose.theta);
+        x += weight * pose.x;
+        y += weight * pose.y;
+        sin_sum += weight * sin;
+        cos_sum += weight * cos;
+    }
+    let mean = Pose2::new(x / total, y / total, math::atan2(sin_sum, cos_sum));
+    mean.is_finite().then_some((mean, 1.0))
 }
 
 #[cfg(test)]
@@ -204,6 +218,30 @@ mod tests {
         let at = estimate(&view(&beliefs), 3, Knowledge::Belief).unwrap();
         assert!((at.x - 5.3).abs() < 1e-5 && (at.theta - 0.5).abs() < 1e-6);
         assert!(estimate(&view(&beliefs), 4, Knowledge::Belief).is_none());
+    }
+
+    #[test]
+    fn a_target_that_cannot_be_near_is_far_and_one_with_an_estimate_is_known() {
+        let nothing = [particle(f32::NAN, 0.0, 1.0)];
+        let spread: Vec<_> = (0..40)
+            .map(|i| particle(0.3 * i as f32, (i % 7) as f32, (i % 3) as f32))
+            .collect();
+        for particles in [&nothing[..], &spread[..], &[]] {
+            let beliefs = [belief(particles)];
+            let view = view(&beliefs);
+            let at = estimate(&view, 3, Knowledge::Belief).unwrap().position();
+            assert!(is_known(&view, 3, Knowledge::Belief));
+            let mut far = 0;
+            for i in 0..400 {
+                let here = Point2::new(f64::from(i % 20), f64::from(i / 20));
+                if !may_be_within(&beliefs[0], here, 1.0) {
+                    far += 1;
+                    assert!((at - here).norm() > 1.0, "{here}");
+                }
+            }
+            assert!(far > 0 || particles.len() == 1, "{far}");
+        }
+        assert!(!is_known(&view(&[]), 3, Knowledge::Belief));
     }
 
     #[test]

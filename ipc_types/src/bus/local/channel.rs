@@ -77,6 +77,11 @@ impl<H, E> Channel<H, E> {
             .retain(|other| !Rc::ptr_eq(other, queue));
     }
 
+    /// Returns `true` if nobody will receive a message.
+    pub(super) fn is_unheard(&self) -> bool {
+        self.qos.history == 0 && self.queues.borrow().is_empty()
+    }
+
     /// Delivers a message of a publisher to all subscribers; returns their number, `None` if one of
     /// them has no room for it (then none gets it).
     pub(super) fn deliver(&self, publisher: usize, message: &Rc<Message<H, E>>) -> Option<usize> {

@@ -39,13 +39,17 @@ impl<H: Default, E: Copy> Sender<H, E> {
         sequence: &Cell<u64>,
         write: impl FnOnce(&mut Message<H, E>),
     ) -> Option<usize> {
+        let is_mute = self.mute.as_ref().is_some_and(|mute| mute.get());
+        if !is_mute && self.channel.is_unheard() {
+            sequence.set(sequence.get() + 1);
+            return Some(0);
+        }
         let mut sent = self.sent.borrow_mut();
         let free = sent.iter().position(|old| Rc::strong_count(old) == 1);
         let mut message = free.and_then(|at| sent.remove(at)).unwrap_or_default();
         if let Some(unshared) = Rc::get_mut(&mut message) {
             write(unshared);
         }
-        let is_mute = self.mute.as_ref().is_some_and(|mute| mute.get());
         let delivered = if is_mute {
             Some(0)
         } else {

@@ -3,7 +3,7 @@
 use super::channel::ChannelSpec;
 
 /// Receives channels and messages as they are written to a log, in order. It runs on the thread of the
-/// recorder and must not block.
+/// log and must not block.
 pub trait LogObserver: Send {
     /// Receives a new channel; channels are numbered from 0.
     fn channel(&mut self, spec: &ChannelSpec<'_>);

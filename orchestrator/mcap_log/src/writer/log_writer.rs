@@ -281,12 +281,17 @@ impl LogWriter {
         }
     }
 
-    /// Closes the open chunk if it is older than `flush_every`. Call it at least that often.
+    /// Returns the maximum age of messages that are not written to the operating system.
+    pub fn flush_every(&self) -> Duration {
+        self.flush_every
+    }
+
+    /// Closes the open chunk if it is older than half of `flush_every`. Call it twice in that time.
     ///
     /// # Errors
     /// [`LogWriteError::Write`].
     pub fn flush_if_due(&mut self) -> Result<(), LogWriteError> {
-        if self.open_bytes > 0 && self.last_flush.elapsed() >= self.flush_every {
+        if self.open_bytes > 0 && self.last_flush.elapsed() * 2 >= self.flush_every {
             self.flush()?;
         }
         Ok(())

@@ -3,7 +3,9 @@
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 
+use geometry::pose::Twist2;
 use ipc_types::bus::Bus;
+use planner_view::view::View;
 use runtime::maps::Maps;
 use scenario::kind::ConfiguredKind;
 use sim_backend::world::World;
@@ -133,6 +135,29 @@ impl LocalRun {
     /// Returns the world.
     pub(super) fn world(&self) -> &World {
         self.simulator.world()
+    }
+
+    /// Returns `true` if [`Self::drive`] can take the place of the other steps.
+    pub(super) fn is_direct(&mut self) -> bool {
+        let mut early = self.followers.early();
+        early.all(|follower| follower.process.direct().is_some())
+    }
+
+    /// Does a tick without messages, with the commands of the processes with their own kind.
+    pub(super) fn drive(
+        &mut self,
+        view: &View<'_>,
+        commands: &mut [Option<Twist2>],
+    ) -> Result<(), InProcessError> {
+        let tick = self.tick();
+        for follower in self.followers.early() {
+            if let Some(direct) = follower.process.direct() {
+                let steered = direct.steer(view, commands);
+                steered.map_err(|source| failed(&follower.name, Some(tick), source))?;
+            }
+        }
+        self.simulator.drive(commands);
+        Ok(())
     }
 
     /// Steps the world to the next tick.

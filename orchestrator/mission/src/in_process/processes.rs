@@ -80,6 +80,11 @@ impl LocalProcesses {
         self.step_late(tick)
     }
 
+    /// Returns the processes that come before the first one with its own kind.
+    pub(super) fn early(&mut self) -> impl Iterator<Item = &mut LocalProcess> {
+        self.processes.iter_mut().take(self.early)
+    }
+
     /// Steps the processes that come before the first one with its own kind.
     pub(super) fn step_early(&mut self, tick: u64) -> Result<(), InProcessError> {
         let (early, _) = self.processes.split_at_mut(self.early);

@@ -3,8 +3,10 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use geometry::pose::Twist2;
 use ipc_types::bus::{Bus, Publisher, PublisherOptions};
 use ipc_types::topics::{Belief, ObstacleEvents};
+use planner_view::view::View;
 use runtime::inputs::{BeliefInput, Latest};
 use scenario::ResolvedScenario;
 use scenario::kind::ConfiguredKind;
@@ -85,6 +87,25 @@ impl SteppedRun {
         self.processes.act()?;
         self.processes.advance();
         Ok(())
+    }
+
+    /// Returns `true` if all other processes step without messages, so that [`Self::drive`] can take the place of
+    /// [`Self::sense`] and [`Self::act`]. Links and events of the scenario, and observed beliefs, are the caller's to exclude.
+    pub fn is_direct(&mut self) -> bool {
+        self.processes.is_direct()
+    }
+
+    /// Does a whole tick without messages. `commands` are those of the caller's robots, by robot; those of the others are
+    /// added.
+    ///
+    /// # Errors
+    /// [`MissionError`] names the process that fails.
+    pub fn drive(
+        &mut self,
+        view: &View<'_>,
+        commands: &mut [Option<Twist2>],
+    ) -> Result<(), MissionError> {
+        Ok(self.processes.drive(view, commands)?)
     }
 
     /// Returns the world.

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-use mcap_log::LogOptions;
+use mcap_log::{LogOptions, LogWriteError};
 
 use super::made_up::{recording, run};
 
@@ -63,4 +63,22 @@ fn flushed_messages_survive_the_process() {
         ..LogOptions::default()
     };
     recording(&path, &again, None);
+}
+
+#[test]
+fn an_error_of_the_thread_of_the_log_is_returned_by_the_next_flush() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("run.mcap");
+    let options = LogOptions {
+        flush_every: Duration::ZERO,
+        ..LogOptions::default()
+    };
+    let mut recording = recording(&path, &options, None);
+    std::fs::remove_file(&path).unwrap();
+    for sent in run(5, 1) {
+        sent.push(&mut recording);
+    }
+    recording.advance(3, &mut ()).unwrap();
+    let error = recording.flush_if_due().unwrap_err();
+    assert!(matches!(error, LogWriteError::Write { .. }), "{error}");
 }
