@@ -294,7 +294,7 @@ pub fn plan_instance(
     let text = arguments::json("instance", instance)?;
     let fields = serde_json::from_str(&text)
         .map_err(|error| InvalidInput::new_err(format!("instance: {error}")))?;
-    let instance = read_instance("instance", &fields).map_err(|error| invalid(&error))?;
+    let instance = read_instance("instance", &fields).map_err(invalid)?;
     let answer = compute(py, move || {
         ::plan::solve(&instance, &options, 1, &AtomicBool::new(false))
     })?;
