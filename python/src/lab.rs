@@ -87,7 +87,7 @@ pub fn chebyshev_difference(raw: bool, count: usize, key: Option<[u64; 2]>) -> P
     } else {
         Emission::Arcsine
     };
-    sequences::difference(emission, count, key).map_err(|error| invalid(&error))
+    sequences::difference(emission, count, key).map_err(invalid)
 }
 
 /// Lyapunov exponents (per step) along orbits of the Chebyshev map and of its arcsine transform.
@@ -108,7 +108,7 @@ pub fn ros_map(
     path: PathBuf,
     allow_outside: bool,
 ) -> PyResult<(Bound<'_, PyArray2<bool>>, f64, [f64; 2])> {
-    let map = RosMap::read(&path).map_err(|error| invalid(&error))?;
+    let map = RosMap::read(&path).map_err(invalid)?;
     let image = map.image.to_string_lossy().into_owned();
     let folder = path.parent().filter(|path| !path.as_os_str().is_empty());
     let base = Base::Folder {
@@ -121,7 +121,7 @@ pub fn ros_map(
         ScenarioFile::Disk(file) => file,
         ScenarioFile::Text(_) => PathBuf::from(&image),
     };
-    let cells = compute(py, move || map.load_image(&found))?.map_err(|error| invalid(&error))?;
+    let cells = compute(py, move || map.load_image(&found))?.map_err(invalid)?;
     let frame = cells.frame;
     let is_occupied = |cell: Occupancy| cell != Occupancy::Free;
     let occupied: Vec<bool> = cells.cells.into_iter().map(is_occupied).collect();

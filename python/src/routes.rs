@@ -21,14 +21,14 @@ fn load(source: Source) -> PyResult<(ResolvedScenario, Option<String>)> {
     let (scenario, overrides, seed, allow_outside, process) = source;
     let loader = Loader::new(KINDS).allow_outside(allow_outside);
     let loaded = loader.load(&scenario, &overrides, seed);
-    Ok((loaded.map_err(|problems| invalid(&problems))?, process))
+    Ok((loaded.map_err(invalid)?, process))
 }
 
 fn patrol_of(source: Source, key: Option<&str>) -> PyResult<Patrol> {
     let (scenario, process) = load(source)?;
     let key = key.map(str::parse).transpose();
-    let key = key.map_err(|error| invalid(&error))?;
-    Patrol::from_scenario(&scenario, process.as_deref(), key).map_err(|error| invalid(&error))
+    let key = key.map_err(invalid)?;
+    Patrol::from_scenario(&scenario, process.as_deref(), key).map_err(invalid)
 }
 
 /// Waypoints of the first laps of a patrol and their metrics, as JSON.
@@ -44,7 +44,7 @@ pub fn plan_patrol(
     }
     compute(py, move || {
         let patrol = patrol_of(source, key.as_deref())?;
-        let plan = patrol.plan_json(laps).map_err(|error| invalid(&error))?;
+        let plan = patrol.plan_json(laps).map_err(invalid)?;
         Ok(plan.to_string())
     })?
 }
@@ -61,7 +61,7 @@ pub fn predict_patrol(
     compute(py, move || {
         let patrol = patrol_of(source, key.as_deref())?;
         let predicted = patrol.prediction_json(&at, &waypoints);
-        Ok(predicted.map_err(|error| invalid(&error))?.to_string())
+        Ok(predicted.map_err(invalid)?.to_string())
     })?
 }
 
@@ -87,6 +87,6 @@ pub fn plan_coverage(
     compute(py, move || {
         let (scenario, process) = load(source)?;
         let planned = coverage::plan(&scenario, process.as_deref(), extent);
-        Ok(planned.map_err(|error| invalid(&error))?.json().to_string())
+        Ok(planned.map_err(invalid)?.json().to_string())
     })?
 }

@@ -109,8 +109,8 @@ pub fn run_in_process(
         let text = problems.to_string();
         InvalidInput::new_err(text.trim_start_matches("error: ").to_owned())
     })?;
-    place(&mut scenario, &planners).map_err(|error| invalid(&error))?;
-    let programs = kinds_of(&scenario, &planners).map_err(|error| invalid(&error))?;
+    place(&mut scenario, &planners).map_err(invalid)?;
+    let programs = kinds_of(&scenario, &planners).map_err(invalid)?;
     let interrupted = Arc::new(AtomicBool::new(false));
     let options = InProcessOptions {
         out,

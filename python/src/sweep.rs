@@ -104,7 +104,7 @@ impl Options {
     fn load_missions(&self, path: &Path) -> PyResult<Experiment> {
         let mut experiment = self.load::<Mission>(path)?;
         let changed = experiment.change_processes(|scenario| place(scenario, &self.placed));
-        changed.map_err(|error| invalid(&error))?;
+        changed.map_err(invalid)?;
         Ok(experiment)
     }
 }
@@ -188,7 +188,7 @@ pub fn sweep_in_process(
     let interrupted = Arc::clone(&options.interruption.get().0);
     let run = RunOptions {
         jobs: jobs.unwrap_or_else(platform::machine::processors),
-        shard: shard.map_err(|error| InvalidInput::new_err(error.to_string()))?,
+        shard: shard.map_err(invalid)?,
         retry_failed: options.retry_failed,
         log: options.log(),
         timeout: Duration::ZERO,
@@ -278,7 +278,7 @@ impl PlannersInProcess {
             let scenario = cell.scenario(0);
             let scenario =
                 scenario.map_err(|problems| InvalidInput::new_err(problems.to_string()))?;
-            let kinds = kinds_of(&scenario, &self.planners).map_err(|error| invalid(&error))?;
+            let kinds = kinds_of(&scenario, &self.planners).map_err(invalid)?;
             let mut programs = scenario.external_commands();
             if let Some(program) = programs.find(|process| !kinds.contains_key(&process.name)) {
                 return Err(InvalidInput::new_err(format!(

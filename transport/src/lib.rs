@@ -16,6 +16,7 @@ extern crate self as ipc_types;
 
 mod agreement;
 pub mod clock;
+mod debug;
 mod degradation;
 pub mod error;
 mod event;

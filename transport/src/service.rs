@@ -76,13 +76,7 @@ impl TopicHolder {
     }
 }
 
-impl core::fmt::Debug for TopicHolder {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.debug_struct("TopicHolder")
-            .field("topic", &self.topic)
-            .finish_non_exhaustive()
-    }
-}
+crate::debug_with! { [] TopicHolder, own => own.topic }
 
 pub fn service_name(topic: &'static str) -> Result<ServiceName, BusError> {
     topic.try_into().map_err(|e| BusError::Open {

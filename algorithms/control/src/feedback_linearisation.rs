@@ -15,8 +15,6 @@ use geometry::math;
 use geometry::pose::{Pose2, Twist2};
 use nalgebra::{Point2, Vector2};
 use parameters::{Fidelity, Parameters, above};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
 use planner_view::limits::Limits;
 
@@ -37,23 +35,23 @@ const DEAD_BAND: f64 = 0.01;
 /// Maximum backward speed, as a fraction of the maximum forward speed.
 const REVERSE_FRACTION: f64 = 0.1;
 
-/// Parameters of the feedback linearisation.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct FeedbackParams {
-    /// Variant of the law. [`Fidelity::Ours`]: the inverse of the kinematics, with the field taken at
-    /// the control point. A command beyond the limits loses speed and keeps the desired direction, and
-    /// a robot turns at its full rate towards a target behind it.
-    ///
-    /// [`Fidelity::Published`]: a turning term proportional to the angle between heading and
-    /// desired velocity is added. Only the cos θ part of ω is divided by ε, so that a robot driving
-    /// along ±y turns 1/ε times more weakly than one driving along ±x. The field is taken at a
-    /// third of ε. Forward speed and turning rate are clipped separately, so that the robot leaves
-    /// the desired direction in tight turns.
-    pub fidelity: Fidelity,
-    /// Maximum turning rate when lower than the robot's own limit; absent: the robot's.
-    #[schemars(transform = above(0).unit("rad/s"))]
-    pub omega_cap: Option<f64>,
+parameters::table! {
+    /// Parameters of the feedback linearisation.
+    #[derive(Copy)]
+    pub struct FeedbackParams {
+        /// Variant of the law. [`Fidelity::Ours`]: the inverse of the kinematics, with the field taken at
+        /// the control point. A command beyond the limits loses speed and keeps the desired direction, and
+        /// a robot turns at its full rate towards a target behind it.
+        ///
+        /// [`Fidelity::Published`]: a turning term proportional to the angle between heading and
+        /// desired velocity is added. Only the cos θ part of ω is divided by ε, so that a robot driving
+        /// along ±y turns 1/ε times more weakly than one driving along ±x. The field is taken at a
+        /// third of ε. Forward speed and turning rate are clipped separately, so that the robot leaves
+        /// the desired direction in tight turns.
+        pub fidelity: Fidelity,
+        /// Maximum turning rate when lower than the robot's own limit; absent: the robot's.
+        pub omega_cap: Option<f64> [above(0).unit("rad/s")],
+    }
 }
 
 impl Parameters for FeedbackParams {}

@@ -12,50 +12,30 @@ use geometry::math;
 use geometry::pose::{Pose2, Twist2};
 use nalgebra::{Point2, Vector2};
 use parameters::{Parameters, above, between};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
 use planner_view::limits::Limits;
 
 /// Distance (m) below which a point coincides with the robot's position.
 const SAME_PLACE: f64 = 1e-9;
 
-/// Parameters of [`go_to`].
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct GoToParams {
-    /// Bearing above which the robot turns on the spot. The larger, the faster a lap and the farther
-    /// the path bulges out behind a corner (by the speed over the turning rate at most).
-    #[schemars(transform = above(0).at_most(PI).unit("rad"))]
-    pub turn_on_spot: f64,
-    /// Turning rate per bearing; a tick turns by at most the bearing.
-    #[schemars(transform = above(0).unit("1/s"))]
-    pub turn_gain: f64,
-    /// Maximum speed, as a fraction of the maximum forward speed.
-    #[schemars(transform = above(0).at_most(1))]
-    pub speed_fraction: f64,
-    /// Distance at which the robot has reached the point.
-    #[schemars(transform = above(0).unit("m"))]
-    pub arrived: f64,
-    /// Deceleration before the point; absent: the robot passes it at full speed.
-    #[schemars(transform = above(0).unit("m/s²"))]
-    pub deceleration: Option<f64>,
-    /// With a deceleration: change of direction up to which the robot still passes the point at speed,
-    /// if the next point is known.
-    #[schemars(transform = between(0, PI).unit("rad"))]
-    pub pass_angle: f64,
-}
-
-impl Default for GoToParams {
-    fn default() -> Self {
-        Self {
-            turn_on_spot: 0.8,
-            turn_gain: 10.0,
-            speed_fraction: 1.0,
-            arrived: 0.05,
-            deceleration: None,
-            pass_angle: 0.5,
-        }
+parameters::table! {
+    /// Parameters of [`go_to`].
+    #[derive(Copy)]
+    pub struct GoToParams {
+        /// Bearing above which the robot turns on the spot. The larger, the faster a lap and the farther
+        /// the path bulges out behind a corner (by the speed over the turning rate at most).
+        pub turn_on_spot: f64 [above(0).at_most(PI).unit("rad")] = 0.8,
+        /// Turning rate per bearing; a tick turns by at most the bearing.
+        pub turn_gain: f64 [above(0).unit("1/s")] = 10.0,
+        /// Maximum speed, as a fraction of the maximum forward speed.
+        pub speed_fraction: f64 [above(0).at_most(1)] = 1.0,
+        /// Distance at which the robot has reached the point.
+        pub arrived: f64 [above(0).unit("m")] = 0.05,
+        /// Deceleration before the point; absent: the robot passes it at full speed.
+        pub deceleration: Option<f64> [above(0).unit("m/s²")],
+        /// With a deceleration: change of direction up to which the robot still passes the point at speed,
+        /// if the next point is known.
+        pub pass_angle: f64 [between(0, PI).unit("rad")] = 0.5,
     }
 }
 

@@ -12,8 +12,6 @@ use geometry::math;
 use geometry::pose::{Pose2, Twist2};
 use nalgebra::Point2;
 use parameters::{Parameters, ParamsError, above, at_least, between, require};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
 use planner_view::limits::Limits;
 
@@ -23,52 +21,28 @@ const SAME_PLACE: f64 = 1e-9;
 /// Factor by which the look-ahead shrinks when the path to the target point is not clear.
 const SHORTER: f64 = 0.7;
 
-/// Parameters of a [`PathTracker`].
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct TrackingParams {
-    /// Distance along the path to the target point, at standstill.
-    #[schemars(transform = above(0).unit("m"))]
-    pub look_ahead: f64,
-    /// Increase of `look_ahead` per speed.
-    #[schemars(transform = at_least(0).unit("s"))]
-    pub look_ahead_time_s: f64,
-    /// Minimum look-ahead, at most `look_ahead`; used where the path to a farther point is not clear.
-    #[schemars(transform = above(0).unit("m"))]
-    pub min_look_ahead: f64,
-    /// Bearing of the target point above which the robot turns on the spot.
-    #[schemars(transform = above(0).at_most(PI).unit("rad"))]
-    pub turn_on_spot: f64,
-    /// Turning rate per bearing while the robot turns on the spot.
-    #[schemars(transform = above(0).unit("1/s"))]
-    pub turn_gain: f64,
-    /// Maximum speed, as a fraction of the maximum forward speed.
-    #[schemars(transform = between(0, 1))]
-    pub speed_fraction: f64,
-    /// Deceleration before the end of the path; absent: the robot passes the end at full speed.
-    #[schemars(transform = above(0).unit("m/s²"))]
-    pub arrival_deceleration: Option<f64>,
-    /// Maximum turning rate, when lower than the robot's own limit; absent: the robot's.
-    #[schemars(transform = above(0).unit("rad/s"))]
-    pub omega_cap: Option<f64>,
-    /// Distance to the path's end at which the robot has arrived.
-    #[schemars(transform = above(0).unit("m"))]
-    pub arrived: f64,
-}
-
-impl Default for TrackingParams {
-    fn default() -> Self {
-        Self {
-            look_ahead: 0.2,
-            look_ahead_time_s: 0.5,
-            min_look_ahead: 0.05,
-            turn_on_spot: 1.2,
-            turn_gain: 8.0,
-            speed_fraction: 1.0,
-            arrival_deceleration: None,
-            omega_cap: None,
-            arrived: 0.05,
-        }
+parameters::table! {
+    /// Parameters of a [`PathTracker`].
+    #[derive(Copy)]
+    pub struct TrackingParams {
+        /// Distance along the path to the target point, at standstill.
+        pub look_ahead: f64 [above(0).unit("m")] = 0.2,
+        /// Increase of `look_ahead` per speed.
+        pub look_ahead_time_s: f64 [at_least(0).unit("s")] = 0.5,
+        /// Minimum look-ahead, at most `look_ahead`; used where the path to a farther point is not clear.
+        pub min_look_ahead: f64 [above(0).unit("m")] = 0.05,
+        /// Bearing of the target point above which the robot turns on the spot.
+        pub turn_on_spot: f64 [above(0).at_most(PI).unit("rad")] = 1.2,
+        /// Turning rate per bearing while the robot turns on the spot.
+        pub turn_gain: f64 [above(0).unit("1/s")] = 8.0,
+        /// Maximum speed, as a fraction of the maximum forward speed.
+        pub speed_fraction: f64 [between(0, 1)] = 1.0,
+        /// Deceleration before the end of the path; absent: the robot passes the end at full speed.
+        pub arrival_deceleration: Option<f64> [above(0).unit("m/s²")],
+        /// Maximum turning rate, when lower than the robot's own limit; absent: the robot's.
+        pub omega_cap: Option<f64> [above(0).unit("rad/s")],
+        /// Distance to the path's end at which the robot has arrived.
+        pub arrived: f64 [above(0).unit("m")] = 0.05,
     }
 }
 

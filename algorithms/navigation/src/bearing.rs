@@ -5,27 +5,25 @@
 //! leads away from the corner where a pursuer would appear.
 
 use nalgebra::{Point2, Vector2};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
 use crate::routes::Routes;
 
-/// Measure of directions and distances to goals and other robots.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum GoalField {
-    /// Straight through obstacles, as in the chasing-game paper. Cheap, but a goal behind a block
-    /// has a local minimum in front of the block, in which a robot stays forever.
-    Straight,
-    /// Along the shortest drivable path. The goal's field has no local minimum; the cost is one
-    /// shortest-path tree whenever the robot enters another cell of a coarse grid.
-    ///
-    /// The default, because in a city almost every goal is behind a block. Of 60 starts spread over
-    /// the streets of the paper's city, all lead to the goal with this measure. Straight, 7 starts
-    /// of a pursuer and (with the paper's parameters) 14 of an evader end in front of a block. The
-    /// tests `closing_in` of `pursuer` and `escape` of `steering` print these numbers.
-    #[default]
-    Geodesic,
+parameters::choice! {
+    /// Measure of directions and distances to goals and other robots.
+    pub enum GoalField {
+        /// Straight through obstacles, as in the chasing-game paper. Cheap, but a goal behind a block
+        /// has a local minimum in front of the block, in which a robot stays forever.
+        Straight,
+        /// Along the shortest drivable path. The goal's field has no local minimum; the cost is one
+        /// shortest-path tree whenever the robot enters another cell of a coarse grid.
+        ///
+        /// The default, because in a city almost every goal is behind a block. Of 60 starts spread over
+        /// the streets of the paper's city, all lead to the goal with this measure. Straight, 7 starts
+        /// of a pursuer and (with the paper's parameters) 14 of an evader end in front of a block. The
+        /// tests `closing_in` of `pursuer` and `escape` of `steering` print these numbers.
+        #[default]
+        Geodesic,
+    }
 }
 
 /// Direction and distance from one point to another.

@@ -1,29 +1,19 @@
 //! Parameters, each declared once: type, default, range, unit and description.
 //!
-//! A struct of parameters derives its JSON Schema ([`schemars`]). The type of a field gives the
-//! type, the doc comment the description, [`Default`] the default. Range and unit are a
-//! [`Bounds`]:
+//! A struct of parameters is declared by [`table!`]. The type of a field gives the type of the parameter, the doc comment
+//! the description; range and unit are a [`Bounds`] in brackets, and the default follows. An enum of parameters is
+//! declared by [`choice!`].
 //!
 //! ```
 //! use parameters::{Parameters, above, at_least, check};
-//! use schemars::JsonSchema;
-//! use serde::{Deserialize, Serialize};
 //!
-//! /// Parameters of an assignment.
-//! #[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
-//! #[serde(deny_unknown_fields, default)]
-//! struct Assignment {
-//!     /// Time between two assignments.
-//!     #[schemars(transform = above(0.0).unit("s"))]
-//!     period_s: f64,
-//!     /// Number of robots that are assigned.
-//!     #[schemars(transform = at_least(1))]
-//!     robots: usize,
-//! }
-//!
-//! impl Default for Assignment {
-//!     fn default() -> Self {
-//!         Self { period_s: 1.0, robots: 4 }
+//! parameters::table! {
+//!     /// Parameters of an assignment.
+//!     struct Assignment {
+//!         /// Time between two assignments.
+//!         period_s: f64 [above(0.0).unit("s")] = 1.0,
+//!         /// Number of robots that are assigned.
+//!         robots: usize [at_least(1)] = 4,
 //!     }
 //! }
 //!
@@ -48,6 +38,7 @@ mod fidelity;
 mod publish;
 mod range;
 mod schema;
+mod table;
 
 pub use bounds::{Bounds, above, at_least, between, each, unit};
 pub use check::{Parameters, Unusual, check, faults, unusual};

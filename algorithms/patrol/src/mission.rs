@@ -10,8 +10,6 @@ use nalgebra::Point2;
 use parameters::{Parameters, ParamsError, above, at_least, check, each, unit};
 use planner_view::limits::Limits;
 use robot::spec::RobotModel;
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::alpha::{AlphaError, LAPS, alpha_max_driven, check_driven};
@@ -34,54 +32,35 @@ const CLOCK_RESERVE_S: f64 = 2.0;
 /// this distance, and the time between two visits of a place, by at most as much.
 const TEAM_ALPHA: f64 = 0.05;
 
-/// Parameters of a patrol.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct MissionParams {
-    /// The waypoints of the contour, x and y; at least 2.
-    #[schemars(transform = each(each(unit("m"))), length(min = 2))]
-    pub contour: Vec<[f64; 2]>,
-    /// `true` if the last waypoint leads back to the first; otherwise the contour is driven there and
-    /// back.
-    pub closed: bool,
-    /// Place at which the robot begins: its part of the contour in a team (`spread`), where the contour is nearest, or
-    /// the waypoint with this index.
-    pub start: Start,
-    /// Time limit of each lap.
-    #[schemars(transform = above(0).at_most(MAX_T_MAX).unit("s"))]
-    pub t_max: f64,
-    /// Width of the zig-zag; if absent, as large as the robot can drive in the time and as there is
-    /// room along the contour.
-    #[schemars(transform = above(0).unit("m"))]
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub alpha: Option<f64>,
-    /// Share of the time kept in reserve when the width is chosen, with which a late robot catches up.
-    /// The smaller, the wider the zig-zag and the later the robot.
-    #[schemars(transform = at_least(0).below(1))]
-    pub margin: f64,
-    /// Key of the generator, such as `catp:0.4,0.644`, from which the robots of a team derive their own, the first one its
-    /// own itself; if absent, a `keyed` one for each robot from the run's seed.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub key: Option<Key>,
-    /// Interpretation of the paper's formulas.
-    pub preset: Preset,
-    /// Areas in which the patrol is under threat; everywhere if empty.
-    pub danger_zones: DangerZones,
-}
-
-impl Default for MissionParams {
-    fn default() -> Self {
-        Self {
-            contour: Vec::new(),
-            closed: true,
-            start: Start::default(),
-            t_max: 120.0,
-            alpha: None,
-            margin: 0.15,
-            key: None,
-            preset: Preset::Default,
-            danger_zones: DangerZones::default(),
-        }
+parameters::table! {
+    /// Parameters of a patrol.
+    pub struct MissionParams {
+        /// The waypoints of the contour, x and y; at least 2.
+        #[schemars(transform = each(each(unit("m"))), length(min = 2))]
+        pub contour: Vec<[f64; 2]>,
+        /// `true` if the last waypoint leads back to the first; otherwise the contour is driven there and
+        /// back.
+        pub closed: bool = true,
+        /// Place at which the robot begins: its part of the contour in a team (`spread`), where the contour is nearest, or
+        /// the waypoint with this index.
+        pub start: Start,
+        /// Time limit of each lap.
+        pub t_max: f64 [above(0).at_most(MAX_T_MAX).unit("s")] = 120.0,
+        /// Width of the zig-zag; if absent, as large as the robot can drive in the time and as there is
+        /// room along the contour.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        pub alpha: Option<f64> [above(0).unit("m")],
+        /// Share of the time kept in reserve when the width is chosen, with which a late robot catches up.
+        /// The smaller, the wider the zig-zag and the later the robot.
+        pub margin: f64 [at_least(0).below(1)] = 0.15,
+        /// Key of the generator, such as `catp:0.4,0.644`, from which the robots of a team derive their own, the first one its
+        /// own itself; if absent, a `keyed` one for each robot from the run's seed.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        pub key: Option<Key>,
+        /// Interpretation of the paper's formulas.
+        pub preset: Preset = Preset::Default,
+        /// Areas in which the patrol is under threat; everywhere if empty.
+        pub danger_zones: DangerZones,
     }
 }
 

@@ -16,8 +16,6 @@ use chaotic_maps::Source;
 use nalgebra::Point2;
 use parameters::{Parameters, ParamsError, at_least, between, check};
 use planner_view::waypoint::{Waypoint, WaypointKind, WaypointOutcome};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
 use crate::awg::{Awg, Laps, Leg};
 use crate::room::square;
@@ -34,24 +32,14 @@ pub enum Method {
     FictiveObstacles,
 }
 
-/// Parameters of [`MixedLaps`].
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct MixedParams {
-    /// Share of skipped waypoints above which a leg gets fictive obstacles.
-    #[schemars(transform = between(0, 1))]
-    pub dropped_share: f64,
-    /// Number of laps after which a leg whose waypoints were unreachable gets them again.
-    #[schemars(transform = at_least(1))]
-    pub retry_laps: u32,
-}
-
-impl Default for MixedParams {
-    fn default() -> Self {
-        Self {
-            dropped_share: 0.35,
-            retry_laps: 4,
-        }
+parameters::table! {
+    /// Parameters of [`MixedLaps`].
+    #[derive(Copy)]
+    pub struct MixedParams {
+        /// Share of skipped waypoints above which a leg gets fictive obstacles.
+        pub dropped_share: f64 [between(0, 1)] = 0.35,
+        /// Number of laps after which a leg whose waypoints were unreachable gets them again.
+        pub retry_laps: u32 [at_least(1)] = 4,
     }
 }
 

@@ -2,38 +2,34 @@
 
 use nalgebra::Point2;
 use parameters::{Parameters, ParamsError, above, each, unit};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 /// Maximum number of nodes: the shortest paths between all of them are kept.
 pub const MAX_NODES: usize = 500;
 
-/// A graph as a scenario states it.
-///
-/// ```
-/// use patrol_graph::{GraphParams, PatrolGraph};
-///
-/// let triangle = GraphParams {
-///     nodes: vec![[0.0, 0.0], [3.0, 0.0], [3.0, 4.0]],
-///     edges: vec![[0, 1], [1, 2], [2, 0]],
-///     lengths: Vec::new(),
-/// };
-/// let graph = PatrolGraph::new(&triangle).unwrap();
-/// assert_eq!(graph.distance_m(0, 2), 5.0);
-/// ```
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct GraphParams {
-    /// The nodes to visit, x and y; at least 2. Without any, they follow from the map.
-    #[schemars(transform = each(each(unit("m"))))]
-    pub nodes: Vec<[f64; 2]>,
-    /// Pairs of nodes, by their indices, between which robots drive in both directions. The graph is connected.
-    pub edges: Vec<[usize; 2]>,
-    /// Lengths of the edges, in their order; if absent, the distances between their nodes.
-    #[schemars(transform = each(above(0).unit("m")))]
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub lengths: Vec<f64>,
+parameters::table! {
+    /// A graph as a scenario states it.
+    ///
+    /// ```
+    /// use patrol_graph::{GraphParams, PatrolGraph};
+    ///
+    /// let triangle = GraphParams {
+    ///     nodes: vec![[0.0, 0.0], [3.0, 0.0], [3.0, 4.0]],
+    ///     edges: vec![[0, 1], [1, 2], [2, 0]],
+    ///     lengths: Vec::new(),
+    /// };
+    /// let graph = PatrolGraph::new(&triangle).unwrap();
+    /// assert_eq!(graph.distance_m(0, 2), 5.0);
+    /// ```
+    pub struct GraphParams {
+        /// The nodes to visit, x and y; at least 2. Without any, they follow from the map.
+        pub nodes: Vec<[f64; 2]> [each(each(unit("m")))],
+        /// Pairs of nodes, by their indices, between which robots drive in both directions. The graph is connected.
+        pub edges: Vec<[usize; 2]>,
+        /// Lengths of the edges, in their order; if absent, the distances between their nodes.
+        #[serde(skip_serializing_if = "Vec::is_empty")]
+        pub lengths: Vec<f64> [each(above(0).unit("m"))],
+    }
 }
 
 impl Parameters for GraphParams {

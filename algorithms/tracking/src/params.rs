@@ -26,126 +26,82 @@ pub enum HeadingModel {
     },
 }
 
-/// The line-of-sight sensor (chasing-game paper, section III.C).
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct SensorParams {
-    /// Visibility below which an opponent is unseen.
-    #[schemars(transform = between(0, 1))]
-    pub unseen_below: f64,
-    /// Visibility above which the position is measured exactly, at least `unseen_below`.
-    #[schemars(transform = between(0, 1))]
-    pub exact_above: f64,
-    /// Factor g of the noise σ = g·(1/V − 1) of x and of y.
-    #[schemars(transform = above(0).unit("m"))]
-    pub sigma_gain: f64,
-    /// Measurement of the heading.
-    pub heading: HeadingModel,
-    /// Maximum range of an observer; unlimited if absent.
-    #[schemars(transform = above(0).unit("m"))]
-    pub range: Option<f64>,
-    /// Full opening angle of an observer's field of view, centred on its heading; all round if absent.
-    #[schemars(transform = above(0).at_most(TAU).unit("rad"))]
-    pub field_of_view: Option<f64>,
-}
-
-impl Default for SensorParams {
-    fn default() -> Self {
-        Self {
-            unseen_below: 1e-3,
-            exact_above: 0.999,
-            sigma_gain: 1.0,
-            heading: HeadingModel::None,
-            range: None,
-            field_of_view: None,
-        }
+parameters::table! {
+    /// The line-of-sight sensor (chasing-game paper, section III.C).
+    pub struct SensorParams {
+        /// Visibility below which an opponent is unseen.
+        pub unseen_below: f64 [between(0, 1)] = 1e-3,
+        /// Visibility above which the position is measured exactly, at least `unseen_below`.
+        pub exact_above: f64 [between(0, 1)] = 0.999,
+        /// Factor g of the noise σ = g·(1/V − 1) of x and of y.
+        pub sigma_gain: f64 [above(0).unit("m")] = 1.0,
+        /// Measurement of the heading.
+        pub heading: HeadingModel = HeadingModel::None,
+        /// Maximum range of an observer; unlimited if absent.
+        pub range: Option<f64> [above(0).unit("m")],
+        /// Full opening angle of an observer's field of view, centred on its heading; all round if absent.
+        pub field_of_view: Option<f64> [above(0).at_most(TAU).unit("rad")],
     }
 }
 
-/// Knowledge of an opponent before the first sighting.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum StartKnowledge {
-    /// Its start pose: all particles begin there (the paper's).
-    #[default]
-    Known,
-    /// Nothing: the particles begin uniformly over the free space that no observer sees in the first tick.
-    Unknown,
-}
-
-/// The particle filter of one opponent (chasing-game paper, section III.D).
-///
-/// Random walks are given per √s, rates per second: the belief does not depend on the tick rate.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct FilterParams {
-    /// Number of particles.
-    #[schemars(transform = between(1, MAX_PARTICLES))]
-    pub particles: usize,
-    /// Knowledge of the opponent's start.
-    pub start: StartKnowledge,
-    /// Random walk of the speed hypothesis.
-    #[schemars(transform = at_least(0).unit("largest speed per √s"))]
-    pub speed_walk: f64,
-    /// Random walk of the turning-rate hypothesis.
-    #[schemars(transform = at_least(0).unit("largest turning rate per √s"))]
-    pub turn_walk: f64,
-    /// Rate at which the speed hypothesis returns to the maximum speed; 0 for a pure random walk, as in the
-    /// paper. Evaders and pursuers usually drive at full speed.
-    #[schemars(transform = at_least(0).unit("1/s"))]
-    pub cruise_rate: f64,
-    /// Rate at which the turning-rate hypothesis returns to 0; 0 for a pure random walk, as in the paper, with
-    /// which hypotheses circle in place while the opponent drives on.
-    #[schemars(transform = at_least(0).unit("1/s"))]
-    pub straighten_rate: f64,
-    /// Maximum speed of a hypothesis as a share of the opponent's, and a tenth of that backwards; absent:
-    /// the opponent's own limits. The published program multiplies speeds by the maximum twice:
-    /// its hypotheses reach a fifth of the real speed.
-    #[schemars(transform = above(0).at_most(1))]
-    pub speed_limit: Option<f64>,
-    /// Maximum turning rate of a hypothesis when lower than the opponent's own; absent: the
-    /// opponent's.
-    #[schemars(transform = above(0).unit("rad/s"))]
-    pub turn_limit: Option<f64>,
-    /// `true` if an unseen hypothesis that would drive into an obstacle turns away from it; `false` if it is
-    /// ruled out, as in the paper: then hypotheses that hardly move outlive the others.
-    pub turn_at_walls: bool,
-    /// Deviation by which a noisy sighting scatters the hypotheses in x and in y, as a share of its own; 0 for none, as in the
-    /// paper. Without it, hypotheses behind an opponent at full speed hardly catch up with it: none is faster.
-    #[schemars(transform = between(0, 1))]
-    pub scatter: f64,
-    /// Variant of the filter. [`Fidelity::Published`]: walks that stay at the ends of their ranges;
-    /// weights N(x)·N(y)/(1 + |Δheading|) of a noisy sighting, equal ones of an exact sighting; and
-    /// copies of one particle when no particle is possible.
-    pub fidelity: Fidelity,
-}
-
-impl Default for FilterParams {
-    fn default() -> Self {
-        Self {
-            particles: 400,
-            start: StartKnowledge::Known,
-            speed_walk: 0.65,
-            turn_walk: 1.0,
-            cruise_rate: 0.5,
-            straighten_rate: 8.0,
-            speed_limit: None,
-            turn_limit: None,
-            turn_at_walls: true,
-            scatter: 0.0,
-            fidelity: Fidelity::Ours,
-        }
+parameters::choice! {
+    /// Knowledge of an opponent before the first sighting.
+    pub enum StartKnowledge {
+        /// Its start pose: all particles begin there (the paper's).
+        #[default]
+        Known,
+        /// Nothing: the particles begin uniformly over the free space that no observer sees in the first tick.
+        Unknown,
     }
 }
 
-/// All parameters of perception.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct PerceptionParams {
-    /// The sensor.
-    pub sensor: SensorParams,
-    /// The particle filters.
-    pub filter: FilterParams,
+parameters::table! {
+    /// The particle filter of one opponent (chasing-game paper, section III.D).
+    ///
+    /// Random walks are given per √s, rates per second: the belief does not depend on the tick rate.
+    pub struct FilterParams {
+        /// Number of particles.
+        pub particles: usize [between(1, MAX_PARTICLES)] = 400,
+        /// Knowledge of the opponent's start.
+        pub start: StartKnowledge = StartKnowledge::Known,
+        /// Random walk of the speed hypothesis.
+        pub speed_walk: f64 [at_least(0).unit("largest speed per √s")] = 0.65,
+        /// Random walk of the turning-rate hypothesis.
+        pub turn_walk: f64 [at_least(0).unit("largest turning rate per √s")] = 1.0,
+        /// Rate at which the speed hypothesis returns to the maximum speed; 0 for a pure random walk, as in the
+        /// paper. Evaders and pursuers usually drive at full speed.
+        pub cruise_rate: f64 [at_least(0).unit("1/s")] = 0.5,
+        /// Rate at which the turning-rate hypothesis returns to 0; 0 for a pure random walk, as in the paper, with
+        /// which hypotheses circle in place while the opponent drives on.
+        pub straighten_rate: f64 [at_least(0).unit("1/s")] = 8.0,
+        /// Maximum speed of a hypothesis as a share of the opponent's, and a tenth of that backwards; absent:
+        /// the opponent's own limits. The published program multiplies speeds by the maximum twice:
+        /// its hypotheses reach a fifth of the real speed.
+        pub speed_limit: Option<f64> [above(0).at_most(1)],
+        /// Maximum turning rate of a hypothesis when lower than the opponent's own; absent: the
+        /// opponent's.
+        pub turn_limit: Option<f64> [above(0).unit("rad/s")],
+        /// `true` if an unseen hypothesis that would drive into an obstacle turns away from it; `false` if it is
+        /// ruled out, as in the paper: then hypotheses that hardly move outlive the others.
+        pub turn_at_walls: bool = true,
+        /// Deviation by which a noisy sighting scatters the hypotheses in x and in y, as a share of its own; 0 for none, as in the
+        /// paper. Without it, hypotheses behind an opponent at full speed hardly catch up with it: none is faster.
+        pub scatter: f64 [between(0, 1)] = 0.0,
+        /// Variant of the filter. [`Fidelity::Published`]: walks that stay at the ends of their ranges;
+        /// weights N(x)·N(y)/(1 + |Δheading|) of a noisy sighting, equal ones of an exact sighting; and
+        /// copies of one particle when no particle is possible.
+        pub fidelity: Fidelity = Fidelity::Ours,
+    }
+}
+
+parameters::table! {
+    /// All parameters of perception.
+    pub struct PerceptionParams {
+        /// The sensor.
+        pub sensor: SensorParams,
+        /// The particle filters.
+        pub filter: FilterParams,
+    }
 }
 
 impl Parameters for PerceptionParams {

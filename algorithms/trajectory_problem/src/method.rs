@@ -49,15 +49,15 @@ impl Method {
     }
 }
 
-/// Initial path of a method.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Guess {
-    /// The exact shortest path.
-    #[default]
-    Tangent,
-    /// The wavefront on a grid (the paper's), pulled taut.
-    Wavefront,
+parameters::choice! {
+    /// Initial path of a method.
+    pub enum Guess {
+        /// The exact shortest path.
+        #[default]
+        Tangent,
+        /// The wavefront on a grid (the paper's), pulled taut.
+        Wavefront,
+    }
 }
 
 impl Guess {
@@ -75,16 +75,16 @@ impl Guess {
     }
 }
 
-/// Points of the curve at which obstacles are tested.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Constraints {
-    /// Everywhere, dense enough to miss none.
-    #[default]
-    Dense,
-    /// Only at the N + 1 Legendre–Gauss–Lobatto nodes, as in the paper. Obstacles between two nodes
-    /// are not detected: most such curves hit one, and are then rejected.
-    Nodes,
+parameters::choice! {
+    /// Points of the curve at which obstacles are tested.
+    pub enum Constraints {
+        /// Everywhere, dense enough to miss none.
+        #[default]
+        Dense,
+        /// Only at the N + 1 Legendre–Gauss–Lobatto nodes, as in the paper. Obstacles between two nodes
+        /// are not detected: most such curves hit one, and are then rejected.
+        Nodes,
+    }
 }
 
 #[cfg(test)]

@@ -1,8 +1,6 @@
 //! Options of planning.
 
 use parameters::{Parameters, ParamsError, between, each};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
 use crate::method::{Constraints, Guess, Method};
 use crate::problem::{MAX_NUMBER, ProblemError};
@@ -18,55 +16,35 @@ pub const MAX_WORK: u64 = 1_250_000;
 /// Number N of nodes if options state none.
 const NODES: usize = 15;
 
-/// Options of a plan; the defaults are the recommended values.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct Options {
-    /// Method of the optimiser.
-    pub method: Method,
-    /// Initial path of the optimisation.
-    pub guess: Guess,
-    /// Points of the curve at which obstacles are checked.
-    pub constraints: Constraints,
-    /// `true` to try other methods if the requested one finds no valid trajectory.
-    // Turning on the spot before and after the curve, more control points, and finally the exact shortest path.
-    pub fallbacks: bool,
-    /// `true` to search in the controls where speeds cannot step; with `fallbacks` and `bspline` also
-    /// where the curve is not near the lower bound.
-    #[serde(skip)]
-    pub refine: bool,
-    /// Degree of the B-spline; the method's own if absent.
-    #[schemars(transform = between(2, MAX_DEGREE))]
-    pub degree: Option<usize>,
-    /// Number of its control points, more than `degree`; as many as the path needs if absent.
-    #[schemars(transform = between(3, MAX_CONTROL_POINTS))]
-    pub control_points: Option<usize>,
-    /// Number N, for N + 1 Legendre–Gauss–Lobatto nodes; 15 if absent.
-    // Of the path control parameter of `vmc`, and of `Constraints::Nodes`.
-    #[schemars(transform = between(2, MAX_NODES))]
-    pub nodes: Option<usize>,
-    /// Reference point of `vmc`, x and y; far beyond the lower corner of the board if absent.
-    #[schemars(transform = each(between(-MAX_NUMBER, MAX_NUMBER).unit("px")))]
-    pub reference_point: Option<[f64; 2]>,
-    /// Work at which the search ends with its best result so far; at most, and if it is absent, [`MAX_WORK`].
-    #[serde(skip)]
-    pub max_work: Option<u64>,
-}
-
-impl Default for Options {
-    fn default() -> Self {
-        Self {
-            method: Method::default(),
-            guess: Guess::default(),
-            constraints: Constraints::default(),
-            fallbacks: true,
-            refine: true,
-            degree: None,
-            control_points: None,
-            nodes: None,
-            reference_point: None,
-            max_work: None,
-        }
+parameters::table! {
+    /// Options of a plan; the defaults are the recommended values.
+    #[derive(Copy)]
+    pub struct Options {
+        /// Method of the optimiser.
+        pub method: Method,
+        /// Initial path of the optimisation.
+        pub guess: Guess,
+        /// Points of the curve at which obstacles are checked.
+        pub constraints: Constraints,
+        /// `true` to try other methods if the requested one finds no valid trajectory.
+        // Turning on the spot before and after the curve, more control points, and finally the exact shortest path.
+        pub fallbacks: bool = true,
+        /// `true` to search in the controls where speeds cannot step; with `fallbacks` and `bspline` also
+        /// where the curve is not near the lower bound.
+        #[serde(skip)]
+        pub refine: bool = true,
+        /// Degree of the B-spline; the method's own if absent.
+        pub degree: Option<usize> [between(2, MAX_DEGREE)],
+        /// Number of its control points, more than `degree`; as many as the path needs if absent.
+        pub control_points: Option<usize> [between(3, MAX_CONTROL_POINTS)],
+        /// Number N, for N + 1 Legendre–Gauss–Lobatto nodes; 15 if absent.
+        // Of the path control parameter of `vmc`, and of `Constraints::Nodes`.
+        pub nodes: Option<usize> [between(2, MAX_NODES)],
+        /// Reference point of `vmc`, x and y; far beyond the lower corner of the board if absent.
+        pub reference_point: Option<[f64; 2]> [each(between(-MAX_NUMBER, MAX_NUMBER).unit("px"))],
+        /// Work at which the search ends with its best result so far; at most, and if it is absent, [`MAX_WORK`].
+        #[serde(skip)]
+        pub max_work: Option<u64>,
     }
 }
 

@@ -63,15 +63,7 @@ impl<'a> AnyMessage<'a> {
     }
 }
 
-impl core::fmt::Debug for AnyMessage<'_> {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.debug_struct("AnyMessage")
-            .field("topic", &self.topic.name())
-            .field("stamp", self.stamp)
-            .field("elements", &self.count)
-            .finish_non_exhaustive()
-    }
-}
+crate::transport::debug_with! { [] AnyMessage<'_>, own => (own.topic.name(), own.stamp, own.count) }
 
 /// Elements that several messages share.
 pub trait SharedElements {

@@ -135,11 +135,7 @@ impl AnyTopic {
     }
 }
 
-impl core::fmt::Debug for AnyTopic {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.debug_tuple("AnyTopic").field(&self.id.name()).finish()
-    }
-}
+crate::transport::debug_with! { [] AnyTopic, own => own.id.name() }
 
 impl<T: Topic> AnySubscriber for Subscriber<T> {
     fn update_connections(&self) -> Result<(), ReceiveError> {

@@ -297,12 +297,4 @@ impl<T: Topic> Publisher<T> {
     }
 }
 
-impl<T: Topic> core::fmt::Debug for Publisher<T> {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.debug_struct("Publisher")
-            .field("topic", &T::NAME)
-            .field("options", &self.options)
-            .field("sequence", &self.sequence)
-            .finish_non_exhaustive()
-    }
-}
+crate::transport::debug_with! { [T: Topic] Publisher<T>, own => (T::NAME, &own.options, &own.sequence) }

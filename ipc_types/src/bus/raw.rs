@@ -220,14 +220,7 @@ impl AnyPublisher for RawPublisher {
     }
 }
 
-impl core::fmt::Debug for RawPublisher {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.debug_struct("RawPublisher")
-            .field("topic", &self.facts.name)
-            .field("options", &self.options)
-            .finish_non_exhaustive()
-    }
-}
+crate::transport::debug_with! { [] RawPublisher, own => (own.facts.name, &own.options) }
 
 struct RawSubscriber {
     topic: TopicId,

@@ -98,13 +98,7 @@ impl<T: Topic> Source<ReceivedMessage<T>> for Subscriber<T> {
     }
 }
 
-impl<T: Topic> core::fmt::Debug for Subscriber<T> {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.debug_struct("Subscriber")
-            .field("topic", &T::NAME)
-            .finish_non_exhaustive()
-    }
-}
+crate::transport::debug_with! { [T: Topic] Subscriber<T>, _ => T::NAME }
 
 /// A message in the memory where it was written, freed on drop. Hold at most two per subscriber.
 pub struct ReceivedMessage<T: Topic> {
@@ -165,12 +159,4 @@ impl<T: Topic> ReceivedMessage<T> {
     }
 }
 
-impl<T: Topic> core::fmt::Debug for ReceivedMessage<T> {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.debug_struct("ReceivedMessage")
-            .field("topic", &T::NAME)
-            .field("header", self.header())
-            .field("elements", &self.elements().len())
-            .finish()
-    }
-}
+crate::transport::debug_with! { [T: Topic] ReceivedMessage<T>, own => (T::NAME, own.header(), own.elements().len()) }

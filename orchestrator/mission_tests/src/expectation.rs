@@ -125,7 +125,7 @@ impl ExpectReader<'_> {
             let column = self.column::<Row>(&keys, name);
             let range = self.range(&keys, mean.within, mean.over);
             if let (Some(column), Some((over, within))) = (column, range) {
-                if matches!(column.kind(), Type::Bool | Type::Text) {
+                if matches!(column.kind, Type::Bool | Type::Text) {
                     self.refuse(&keys, "this column has no numbers", "a column of numbers");
                 }
                 let check = Check::Mean {
@@ -282,8 +282,8 @@ impl ExpectReader<'_> {
             self.refuse(keys, "no value meets this", Limit::FORM);
             return None;
         };
-        if !limit.fits(column.kind()) {
-            let expected = format!("a {}", column.kind().name());
+        if !limit.fits(column.kind) {
+            let expected = format!("a {}", column.kind.name());
             self.refuse(keys, "the column has values of another type", &expected);
         }
         let value = of(column);

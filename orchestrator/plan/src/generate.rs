@@ -9,8 +9,6 @@ use core::fmt::Display;
 use geometry::math;
 use navigation::tangent_graph::ShortestPath;
 use parameters::{Parameters, ParamsError, at_least, between, each, require};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 use serde_json::{Value as Json, json};
 use sim_backend::random::Stream;
 use trajectory::obstacle_field::ObstacleField;
@@ -42,46 +40,32 @@ const DRIVEN: f64 = 0.36;
 /// Maximum number of places tried for an object before it is omitted.
 const TRIES: usize = 1000;
 
-/// Kind of a problem.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Kind {
-    /// From one corner of the board to the opposite one among discs (§ 4.3 of the paper).
-    #[default]
-    Corner,
-    /// Between two places far apart among discs of one size (§ 4.4, first group).
-    Anywhere,
-    /// Continuation after 36 % of the path of such a problem, where two more discs appear on the path and near
-    /// it (§ 4.4, second group).
-    PopUp,
+parameters::choice! {
+    /// Kind of a problem.
+    pub enum Kind {
+        /// From one corner of the board to the opposite one among discs (§ 4.3 of the paper).
+        #[default]
+        Corner,
+        /// Between two places far apart among discs of one size (§ 4.4, first group).
+        Anywhere,
+        /// Continuation after 36 % of the path of such a problem, where two more discs appear on the path and near
+        /// it (§ 4.4, second group).
+        PopUp,
+    }
 }
 
-/// Random problems.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct Recipe {
-    /// Kind of the problems.
-    pub kind: Kind,
-    /// Minimum and maximum number of discs (for `pop_up`, of the known ones).
-    #[schemars(transform = each(at_least(0).at_most(1000)))]
-    pub obstacles: [u32; 2],
-    /// Minimum and maximum radius of a disc.
-    #[schemars(transform = each(between(0, 200).unit("px")))]
-    pub radius: [f64; 2],
-    /// Minimum and maximum heading at the start: in the board's frame for `corner`, relative to the straight
-    /// line to the goal otherwise.
-    #[schemars(transform = each(between(-360, 360).unit("°")))]
-    pub angle: [f64; 2],
-}
-
-impl Default for Recipe {
-    fn default() -> Self {
-        Self {
-            kind: Kind::Corner,
-            obstacles: [10, 20],
-            radius: [5.0, 15.0],
-            angle: [40.0, 45.0],
-        }
+parameters::table! {
+    /// Random problems.
+    pub struct Recipe {
+        /// Kind of the problems.
+        pub kind: Kind = Kind::Corner,
+        /// Minimum and maximum number of discs (for `pop_up`, of the known ones).
+        pub obstacles: [u32; 2] [each(at_least(0).at_most(1000))] = [10, 20],
+        /// Minimum and maximum radius of a disc.
+        pub radius: [f64; 2] [each(between(0, 200).unit("px"))] = [5.0, 15.0],
+        /// Minimum and maximum heading at the start: in the board's frame for `corner`, relative to the straight
+        /// line to the goal otherwise.
+        pub angle: [f64; 2] [each(between(-360, 360).unit("°"))] = [40.0, 45.0],
     }
 }
 

@@ -9,7 +9,6 @@ pub mod field;
 pub mod file;
 pub mod generate;
 pub mod instance;
-pub mod loose;
 pub mod routes;
 pub mod summary;
 

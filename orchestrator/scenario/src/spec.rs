@@ -32,34 +32,29 @@ pub(super) const ANY: &str = "any";
 /// Maximum period of a process (ticks).
 pub(super) const MAX_PERIOD: u64 = 10_000;
 
-/// Time, randomness, and synchronisation of the processes.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct RunSpec {
-    /// Simulated duration of one tick.
-    #[schemars(transform = between(1e-4, 1.0).unit("s"))]
-    pub dt: f64,
-    /// Seed of all randomness: noise, start jitter and planners. `--seed` overrides it.
-    pub seed: u64,
-    /// Pace of the run; `--real-time` sets it.
-    pub mode: Mode,
-    /// Ratio of simulated time to real time, in real-time mode.
-    #[schemars(transform = between(1e-3, 1e3))]
-    pub real_time_factor: f64,
-    /// Cores on which the processes may run.
-    pub pin: Pin,
-    /// Real time without an answer after which a process counts as hung. The time for which it waits for a core
-    /// does not count.
-    #[schemars(transform = between(0.1, 3600.0).unit("s"))]
-    pub hang_timeout_s: f64,
-    /// Wall-clock time within which the simulator, and every process without its own value, must become
-    /// ready.
-    #[schemars(transform = ready_timeout())]
-    pub ready_timeout_s: f64,
-    /// In real-time mode: maximum age of a robot's command, in simulated time. The robot stops without a
-    /// younger command.
-    #[schemars(transform = between(1e-3, 60.0).unit("s"))]
-    pub command_deadline_s: f64,
+parameters::table! {
+    /// Time, randomness, and synchronisation of the processes.
+    pub struct RunSpec {
+        /// Simulated duration of one tick.
+        pub dt: f64 [between(1e-4, 1.0).unit("s")] = 0.05,
+        /// Seed of all randomness: noise, start jitter and planners. `--seed` overrides it.
+        pub seed: u64 = 1,
+        /// Pace of the run; `--real-time` sets it.
+        pub mode: Mode = Mode::LockStep,
+        /// Ratio of simulated time to real time, in real-time mode.
+        pub real_time_factor: f64 [between(1e-3, 1e3)] = 1.0,
+        /// Cores on which the processes may run.
+        pub pin: Pin = Pin::None,
+        /// Real time without an answer after which a process counts as hung. The time for which it waits for a core
+        /// does not count.
+        pub hang_timeout_s: f64 [between(0.1, 3600.0).unit("s")] = 10.0,
+        /// Wall-clock time within which the simulator, and every process without its own value, must become
+        /// ready.
+        pub ready_timeout_s: f64 [ready_timeout()] = 60.0,
+        /// In real-time mode: maximum age of a robot's command, in simulated time. The robot stops without a
+        /// younger command.
+        pub command_deadline_s: f64 [between(1e-3, 60.0).unit("s")] = 0.25,
+    }
 }
 
 /// Returns the range of the time within which a process must become ready.
@@ -69,171 +64,120 @@ pub(super) fn ready_timeout() -> Bounds {
 
 impl Parameters for RunSpec {}
 
-impl Default for RunSpec {
-    fn default() -> Self {
-        Self {
-            dt: 0.05,
-            seed: 1,
-            mode: Mode::LockStep,
-            real_time_factor: 1.0,
-            pin: Pin::None,
-            hang_timeout_s: 10.0,
-            ready_timeout_s: 60.0,
-            command_deadline_s: 0.25,
-        }
+parameters::choice! {
+    /// Pace of a run.
+    pub enum Mode {
+        /// Every process answers every tick; the run is as fast as the processes, and reproducible.
+        #[default]
+        LockStep,
+        /// Ticks follow the clock; late answers are dropped and counted.
+        RealTime,
     }
 }
 
-/// Pace of a run.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Mode {
-    /// Every process answers every tick; the run is as fast as the processes, and reproducible.
-    #[default]
-    LockStep,
-    /// Ticks follow the clock; late answers are dropped and counted.
-    RealTime,
+parameters::choice! {
+    /// Cores on which the processes of a run execute.
+    pub enum Pin {
+        /// Any core.
+        #[default]
+        None,
+        /// One core for all processes, which makes switching between them cheapest.
+        OneCore,
+    }
 }
 
-/// Cores on which the processes of a run execute.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Pin {
-    /// Any core.
-    #[default]
-    None,
-    /// One core for all processes, which makes switching between them cheapest.
-    OneCore,
-}
-
-/// Contents and format of the log.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct LogSpec {
-    /// Compression of the chunks.
-    pub compression: Compression,
-    /// Frames per simulated second for viewers, at 10 a quarter of the log of `chase`; 0 omits the viewer topics.
-    #[schemars(transform = between(0, 1000).unit("Hz"))]
-    pub viewer_rate_hz: f64,
+parameters::table! {
+    /// Contents and format of the log.
+    pub struct LogSpec {
+        /// Compression of the chunks.
+        pub compression: Compression = Compression::Zstd,
+        /// Frames per simulated second for viewers, at 10 a quarter of the log of `chase`; 0 omits the viewer topics.
+        pub viewer_rate_hz: f64 [between(0, 1000).unit("Hz")] = 10.0,
+    }
 }
 
 impl Parameters for LogSpec {}
 
-impl Default for LogSpec {
-    fn default() -> Self {
-        Self {
-            compression: Compression::Zstd,
-            viewer_rate_hz: 10.0,
-        }
+parameters::choice! {
+    /// Compression of a log's chunks.
+    pub enum Compression {
+        /// Zstandard.
+        #[default]
+        Zstd,
+        /// No compression: larger, and readable by every program.
+        None,
     }
 }
 
-/// Compression of a log's chunks.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Compression {
-    /// Zstandard.
-    #[default]
-    Zstd,
-    /// No compression: larger, and readable by every program.
-    None,
-}
-
-/// Random displacement of a robot's start, drawn from the run's seed.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct StartJitter {
-    /// Displacement along x: its maximum, or its standard deviation.
-    #[schemars(transform = between(0, 100).unit("m"))]
-    pub x: f64,
-    /// Displacement along y, as for x.
-    #[schemars(transform = between(0, 100).unit("m"))]
-    pub y: f64,
-    /// Displacement of the heading, as for x.
-    #[schemars(transform = between(0.0, PI).unit("rad"))]
-    pub theta: f64,
-    /// Distribution, which defines the meaning of the three values.
-    pub distribution: Distribution,
+parameters::table! {
+    /// Random displacement of a robot's start, drawn from the run's seed.
+    #[derive(Copy)]
+    pub struct StartJitter {
+        /// Displacement along x: its maximum, or its standard deviation.
+        pub x: f64 [between(0, 100).unit("m")] = 0.0,
+        /// Displacement along y, as for x.
+        pub y: f64 [between(0, 100).unit("m")] = 0.0,
+        /// Displacement of the heading, as for x.
+        pub theta: f64 [between(0.0, PI).unit("rad")] = 0.0,
+        /// Distribution, which defines the meaning of the three values.
+        pub distribution: Distribution = Distribution::Uniform,
+    }
 }
 
 impl Parameters for StartJitter {}
 
-impl Default for StartJitter {
-    fn default() -> Self {
-        Self {
-            x: 0.0,
-            y: 0.0,
-            theta: 0.0,
-            distribution: Distribution::Uniform,
-        }
+parameters::choice! {
+    /// Distribution of a [`StartJitter`].
+    pub enum Distribution {
+        /// Uniform from −value to +value.
+        #[default]
+        Uniform,
+        /// Normal with the value as standard deviation, cut off at three standard deviations.
+        Normal,
     }
 }
 
-/// Distribution of a [`StartJitter`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Distribution {
-    /// Uniform from −value to +value.
-    #[default]
-    Uniform,
-    /// Normal with the value as standard deviation, cut off at three standard deviations.
-    Normal,
-}
-
-/// Random start: a pose drawn from the run's seed, uniformly over the allowed places, with any heading.
-///
-/// A place is allowed if it is free, an evader reaches an exit from it, and a robot reaches its goal.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct RandomStart {
-    /// Region of the places; the whole map if absent.
-    pub region: Option<Region>,
-    /// Minimum distance of centres from every other robot.
-    #[schemars(transform = between(0, 1000).unit("m"))]
-    pub robot_distance: f64,
-    /// Minimum distance of centres from robots of hostile teams.
-    #[schemars(transform = between(0, 1000).unit("m"))]
-    pub opponent_distance: f64,
-    /// Minimum distance of an evader from the centre of every exit.
-    #[schemars(transform = between(0, 1000).unit("m"))]
-    pub exit_distance: f64,
+parameters::table! {
+    /// Random start: a pose drawn from the run's seed, uniformly over the allowed places, with any heading.
+    ///
+    /// A place is allowed if it is free, an evader reaches an exit from it, and a robot reaches its goal.
+    #[derive(Copy)]
+    pub struct RandomStart {
+        /// Region of the places; the whole map if absent.
+        pub region: Option<Region>,
+        /// Minimum distance of centres from every other robot.
+        pub robot_distance: f64 [between(0, 1000).unit("m")] = 0.5,
+        /// Minimum distance of centres from robots of hostile teams.
+        pub opponent_distance: f64 [between(0, 1000).unit("m")] = 3.0,
+        /// Minimum distance of an evader from the centre of every exit.
+        pub exit_distance: f64 [between(0, 1000).unit("m")] = 3.0,
+    }
 }
 
 impl Parameters for RandomStart {}
 
-impl Default for RandomStart {
-    fn default() -> Self {
-        Self {
-            region: None,
-            robot_distance: 0.5,
-            opponent_distance: 3.0,
-            exit_distance: 3.0,
-        }
+parameters::choice! {
+    /// Reaction to a process that exits, is killed, violates the protocol or does not answer.
+    pub enum OnFailure {
+        /// The run ends and fails.
+        #[default]
+        Abort,
+        /// In real-time mode: the process is started again and rejoins the run; its robots stop meanwhile.
+        Restart,
+        /// The run continues without the process; its robots stop.
+        Continue,
     }
 }
 
-/// Reaction to a process that exits, is killed, violates the protocol or does not answer.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum OnFailure {
-    /// The run ends and fails.
-    #[default]
-    Abort,
-    /// In real-time mode: the process is started again and rejoins the run; its robots stop meanwhile.
-    Restart,
-    /// The run continues without the process; its robots stop.
-    Continue,
-}
-
-/// Distribution of the robots of one `[[processes]]` block over processes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub(super) enum Grouping {
-    /// One process for each robot.
-    #[default]
-    OnePerRobot,
-    /// One process for all robots.
-    Together,
+parameters::choice! {
+    /// Distribution of the robots of one `[[processes]]` block over processes.
+    pub(super) enum Grouping {
+        /// One process for each robot.
+        #[default]
+        OnePerRobot,
+        /// One process for all robots.
+        Together,
+    }
 }
 
 /// Some equal robots, the values that a team's robots share (`[teams.…]`), or the values that all robots share

@@ -59,7 +59,7 @@ impl std::fmt::Display for Value {
 }
 
 /// A combination of case and parameters, to be run with every seed.
-#[derive(Clone)]
+#[derive(Debug, Clone)]
 pub struct Cell<S> {
     /// Name of the case.
     pub case: String,
@@ -75,16 +75,6 @@ pub struct Cell<S> {
     pub blake3: String,
     /// Subject of its missions.
     pub subject: S,
-}
-
-impl<S> std::fmt::Debug for Cell<S> {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Cell")
-            .field("case", &self.case)
-            .field("values", &self.values)
-            .field("overrides", &self.overrides)
-            .finish_non_exhaustive()
-    }
 }
 
 /// Describes a combination: `case potential, relative_speed = 1.5`.

@@ -33,7 +33,7 @@ impl<R> ResultTable<R> {
             name: P::TABLE,
             columns: || {
                 let columns = P::COLUMNS.iter();
-                columns.map(|c| Column::new(c.name, c.kind())).collect()
+                columns.map(|c| Column::new(c.name, c.kind)).collect()
             },
             rows: |row| {
                 let parts = P::rows(row).iter();
@@ -73,82 +73,79 @@ pub struct ResultColumn<R: 'static> {
     pub name: &'static str,
     /// Meaning, unit, and when there is no value; one line of Markdown for the reference.
     pub(super) meaning: &'static str,
-    get: Getter<R>,
+    /// The type of its values.
+    pub kind: Type,
+    pub(super) cell: fn(&R) -> Cell,
 }
 
-/// Function that returns the value of a column of a row; the variant is the type of the column.
-enum Getter<R: 'static> {
-    Bool(fn(&R) -> Option<bool>),
-    Int(fn(&R) -> Option<u64>),
-    Float(fn(&R) -> Option<f64>),
-    /// Text; an empty text is no value.
-    Text(fn(&R) -> &str),
+/// Declares columns, each by the [`Type`] of its values, its name, its meaning, and its value in a row.
+macro_rules! columns {
+    ($row:ident; $($kind:ident $name:literal, $meaning:literal => $value:expr;)*) => {
+        &[$($crate::columns::ResultColumn {
+            name: $name,
+            meaning: $meaning,
+            kind: tables::Type::$kind,
+            cell: |$row| $crate::columns::Value::cell($value),
+        }),*]
+    };
+}
+pub(super) use columns;
+
+/// A value of a column.
+pub(super) trait Value {
+    fn cell(self) -> Cell;
+}
+
+impl Value for bool {
+    fn cell(self) -> Cell {
+        Cell::Bool(self)
+    }
+}
+
+impl Value for u32 {
+    fn cell(self) -> Cell {
+        Cell::Int(self.into())
+    }
+}
+
+impl Value for u64 {
+    // Counts and ticks are below 2^63.
+    fn cell(self) -> Cell {
+        Cell::Int(self.cast_signed())
+    }
+}
+
+impl Value for f64 {
+    fn cell(self) -> Cell {
+        Cell::F64(self)
+    }
+}
+
+/// Text; an empty text is no value.
+impl Value for &str {
+    fn cell(self) -> Cell {
+        match self {
+            "" => Cell::Empty,
+            text => Cell::Text(text.to_owned()),
+        }
+    }
+}
+
+impl<T: Value> Value for Option<T> {
+    fn cell(self) -> Cell {
+        self.map_or(Cell::Empty, T::cell)
+    }
 }
 
 impl<R> ResultColumn<R> {
-    pub(super) const fn bool(
-        name: &'static str,
-        meaning: &'static str,
-        get: fn(&R) -> Option<bool>,
-    ) -> Self {
-        let get = Getter::Bool(get);
-        Self { name, meaning, get }
-    }
-
-    pub(super) const fn int(
-        name: &'static str,
-        meaning: &'static str,
-        get: fn(&R) -> Option<u64>,
-    ) -> Self {
-        let get = Getter::Int(get);
-        Self { name, meaning, get }
-    }
-
-    pub(super) const fn float(
-        name: &'static str,
-        meaning: &'static str,
-        get: fn(&R) -> Option<f64>,
-    ) -> Self {
-        let get = Getter::Float(get);
-        Self { name, meaning, get }
-    }
-
-    pub(super) const fn text(
-        name: &'static str,
-        meaning: &'static str,
-        get: fn(&R) -> &str,
-    ) -> Self {
-        let get = Getter::Text(get);
-        Self { name, meaning, get }
-    }
-
-    /// Returns the type of its values.
-    pub fn kind(&self) -> Type {
-        match self.get {
-            Getter::Bool(_) => Type::Bool,
-            Getter::Int(_) => Type::Int,
-            Getter::Float(_) => Type::F64,
-            Getter::Text(_) => Type::Text,
-        }
-    }
-
     /// Returns its line of the reference.
     fn reference(&self) -> String {
-        let kind = self.kind().name();
+        let kind = self.kind.name();
         format!("| `{}` | {kind} | {} |\n", self.name, self.meaning)
     }
 
     /// Returns the value of a row.
     pub fn cell(&self, row: &R) -> Cell {
-        match self.get {
-            Getter::Bool(get) => get(row).map_or(Cell::Empty, Cell::Bool),
-            // Counts and ticks are below 2^63.
-            Getter::Int(get) => get(row).map_or(Cell::Empty, |v| Cell::Int(v.cast_signed())),
-            Getter::Float(get) => get(row).map_or(Cell::Empty, Cell::F64),
-            Getter::Text(get) => match get(row) {
-                "" => Cell::Empty,
-                text => Cell::Text(text.to_owned()),
-            },
-        }
+        (self.cell)(row)
     }
 }

@@ -1,6 +1,6 @@
 //! `[grid]`: the values of the parameters; all combinations are run.
 
-use config::{Code, FieldPath, Node, list_choices, nearest};
+use config::{Code, FieldPath, Node, suggest};
 
 use super::cell::Value;
 use super::parameters::Parameter;
@@ -42,15 +42,8 @@ fn check_known(reader: &mut Reader, parameters: &[Parameter], path: &FieldPath, 
         return;
     }
     let message = format!("unknown parameter `{name}`");
-    let mut problem = reader
-        .problem(path, Code::UnknownName, message)
-        .expected(format!(
-            "a name from [parameters]: {}",
-            list_choices(&names)
-        ));
-    if let Some(near) = nearest(name, names) {
-        problem = problem.help(format!("did you mean `{near}`?"));
-    }
+    let problem = reader.problem(path, Code::UnknownName, message);
+    let problem = suggest(problem, name, &names, "a name from [parameters]: ");
     reader.problems.push(problem);
 }
 

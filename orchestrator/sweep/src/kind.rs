@@ -1,17 +1,14 @@
 //! The kinds of missions that an experiment can have.
 
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-
-/// Kind of the missions of an experiment.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Kind {
-    /// Missions of robots.
-    #[default]
-    Missions,
-    /// Plans of minimum-time trajectories.
-    Planning,
+parameters::choice! {
+    /// Kind of the missions of an experiment.
+    pub enum Kind {
+        /// Missions of robots.
+        #[default]
+        Missions,
+        /// Plans of minimum-time trajectories.
+        Planning,
+    }
 }
 
 impl Kind {

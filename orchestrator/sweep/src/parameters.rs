@@ -1,6 +1,6 @@
 //! `[parameters.NAME]`: the columns of an experiment and the scenario keys that they change.
 
-use config::{Code, FieldPath, Node, Place, Value as TomlValue, list_choices, nearest};
+use config::{Code, FieldPath, Node, Place, Value as TomlValue, suggest};
 use config::{render_float, write_value};
 
 use super::assignments::{self, Assignment};
@@ -177,13 +177,8 @@ impl Parameter {
                     return Some(value);
                 }
                 let message = format!("`{}` has no level `{word}`", self.name);
-                let mut problem = reader
-                    .problem(path, Code::UnknownName, message)
-                    .expected(list_choices(&names));
-                if let Some(near) = nearest(&word, names) {
-                    problem = problem.help(format!("did you mean `{near}`?"));
-                }
-                reader.problems.push(problem);
+                let problem = reader.problem(path, Code::UnknownName, message);
+                reader.problems.push(suggest(problem, &word, &names, ""));
                 None
             }
         }

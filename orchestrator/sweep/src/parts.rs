@@ -1,6 +1,6 @@
 //! The smaller parts of an experiment file: names, seeds, `[run]`, `[[figures]]`.
 
-use config::{Code, FieldPath, list_choices, nearest};
+use config::{Code, FieldPath, suggest};
 
 use super::options::LoadOptions;
 use super::parameters::Parameter;
@@ -80,13 +80,10 @@ pub fn read_figures(reader: &mut Reader, parameters: &[Parameter]) -> Option<Vec
         }
         if !names.contains(&figure.x.as_str()) {
             let message = format!("`{}` is not a parameter of this experiment", figure.x);
-            let mut problem = reader
-                .problem(&path.then("x"), Code::UnknownName, message)
-                .expected(list_choices(&names));
-            if let Some(near) = nearest(&figure.x, names.iter().copied()) {
-                problem = problem.help(format!("did you mean `{near}`?"));
-            }
-            reader.problems.push(problem);
+            let problem = reader.problem(&path.then("x"), Code::UnknownName, message);
+            reader
+                .problems
+                .push(suggest(problem, &figure.x, &names, ""));
         }
         figures.push(figure);
     }

@@ -3,7 +3,7 @@
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-use super::columns::{Part, ResultColumn, ResultTable};
+use super::columns::{Part, ResultColumn, ResultTable, columns};
 use super::kind::Kind;
 use mission::MissionReport;
 use recorder::{
@@ -196,124 +196,56 @@ impl Part<Self> for Row {
     const TABLE: &'static str = RESULTS;
     const REFERENCE: [&'static str; 2] = ["Missions", "one row per mission"];
 
-    const COLUMNS: &'static [ResultColumn<Self>] = &[
-        ResultColumn::text(
-            "outcome",
-            "`ended`; `time_limit` if it ended the game of a robot; `failed`.",
-            |r| r.outcome.name(),
-        ),
-        ResultColumn::int("evaders", "Evaders.", |r| count(r, r.evaders)),
-        ResultColumn::int("escaped", "Evaders that escaped.", |r| count(r, r.escaped)),
-        ResultColumn::int("caught", "Evaders that were caught.", |r| {
-            count(r, r.caught)
-        }),
-        ResultColumn::int(
-            "held_out",
-            "Evaders that were neither caught nor had escaped at the time limit.",
-            |r| count(r, r.held_out),
-        ),
-        ResultColumn::float("sim_time_s", "Simulated duration (s).", |r| {
-            known(r, r.sim_time_s)
-        }),
-        ResultColumn::float(
-            "first_capture_s",
-            "Simulated time of the first capture (s); empty without one.",
-            |r| r.first_capture_s,
-        ),
-        ResultColumn::float(
-            "first_escape_s",
-            "Simulated time of the first escape (s); empty without one.",
-            |r| r.first_escape_s,
-        ),
-        ResultColumn::int("contacts", "Contact episodes of all robots.", |r| {
-            count(r, r.contacts)
-        }),
-        ResultColumn::float("evader_distance_m", "Distance of all evaders (m).", |r| {
-            known(r, r.evader_distance_m)
-        }),
-        ResultColumn::float(
-            "evader_mean_speed",
-            "Distance of all evaders by their time in the game (m/s).",
-            |r| r.evader_mean_speed,
-        ),
-        ResultColumn::int("ticks", "Ticks of the simulator.", |r| known(r, r.ticks)),
-        ResultColumn::float(
-            "escape_possible_fraction",
-            "Part of the game in which an escape was possible, 0 to 1; empty without a `referee`.",
-            |r| r.escape_possible_fraction,
-        ),
-        ResultColumn::float(
-            "escape_impossible_from_s",
-            "Simulated time from which no escape was possible (s); empty without a `referee`.",
-            |r| r.escape_impossible_from_s,
-        ),
-        ResultColumn::float(
-            "coverage_fraction",
-            "Visited share of the free area; empty without `[rules.coverage]`.",
-            |r| Some(r.coverage.as_ref()?.fraction),
-        ),
-        ResultColumn::float(
-            "coverable_fraction",
-            "Visited share of the reachable area; empty without `[rules.coverage]`.",
-            |r| Some(r.coverage.as_ref()?.coverable_fraction),
-        ),
-        ResultColumn::float(
-            "way_m",
-            "Distance of the robots that count for the coverage (m); empty without `[rules.coverage]`.",
-            |r| Some(r.coverage.as_ref()?.way_m),
-        ),
-        ResultColumn::float(
-            "idleness_mean_s",
+    const COLUMNS: &'static [ResultColumn<Self>] = columns! { r;
+        Text "outcome", "`ended`; `time_limit` if it ended the game of a robot; `failed`." => r.outcome.name();
+        Int "evaders", "Evaders." => known(r, r.evaders);
+        Int "escaped", "Evaders that escaped." => known(r, r.escaped);
+        Int "caught", "Evaders that were caught." => known(r, r.caught);
+        Int "held_out", "Evaders that were neither caught nor had escaped at the time limit." => known(r, r.held_out);
+        F64 "sim_time_s", "Simulated duration (s)." => known(r, r.sim_time_s);
+        F64 "first_capture_s", "Simulated time of the first capture (s); empty without one." => r.first_capture_s;
+        F64 "first_escape_s", "Simulated time of the first escape (s); empty without one." => r.first_escape_s;
+        Int "contacts", "Contact episodes of all robots." => known(r, r.contacts);
+        F64 "evader_distance_m", "Distance of all evaders (m)." => known(r, r.evader_distance_m);
+        F64 "evader_mean_speed", "Distance of all evaders by their time in the game (m/s)." => r.evader_mean_speed;
+        Int "ticks", "Ticks of the simulator." => known(r, r.ticks);
+        F64 "escape_possible_fraction",
+            "Part of the game in which an escape was possible, 0 to 1; empty without a `referee`."
+            => r.escape_possible_fraction;
+        F64 "escape_impossible_from_s",
+            "Simulated time from which no escape was possible (s); empty without a `referee`."
+            => r.escape_impossible_from_s;
+        F64 "coverage_fraction", "Visited share of the free area; empty without `[rules.coverage]`."
+            => r.coverage.as_ref().map(|c| c.fraction);
+        F64 "coverable_fraction", "Visited share of the reachable area; empty without `[rules.coverage]`."
+            => r.coverage.as_ref().map(|c| c.coverable_fraction);
+        F64 "way_m", "Distance of the robots that count for the coverage (m); empty without `[rules.coverage]`."
+            => r.coverage.as_ref().map(|c| c.way_m);
+        F64 "idleness_mean_s",
             "Mean time since the last visit of a place of a patrolled contour or graph (s), of the one where it is \
-             longest; empty without a patrol.",
-            |r| patrols(r, |p| p.mean_idleness_s, f64::max),
-        ),
-        ResultColumn::float(
-            "idleness_worst_s",
-            "Maximum of that time (s), the refresh time; empty without a patrol.",
-            |r| patrols(r, |p| p.worst_idleness_s, f64::max),
-        ),
-        ResultColumn::float(
-            "idleness_std_s",
-            "Standard deviation of that time (s), of the contour or graph where it is largest; empty without a patrol.",
-            |r| patrols(r, |p| p.std_idleness_s, f64::max),
-        ),
-        ResultColumn::float(
-            "idleness_interval_s",
+             longest; empty without a patrol."
+            => patrols(r, |p| p.mean_idleness_s, f64::max);
+        F64 "idleness_worst_s", "Maximum of that time (s), the refresh time; empty without a patrol."
+            => patrols(r, |p| p.worst_idleness_s, f64::max);
+        F64 "idleness_std_s",
+            "Standard deviation of that time (s), of the contour or graph where it is largest; empty without a patrol."
+            => patrols(r, |p| p.std_idleness_s, f64::max);
+        F64 "idleness_interval_s",
             "Mean time from one arrival of a robot to the next (s), mean over places: the average graph idleness of \
-             `patrolling_sim`; empty without a patrol.",
-            |r| patrols(r, |p| p.mean_interval_s, f64::max),
-        ),
-        ResultColumn::float(
-            "patrol_nearest_m",
-            "Minimum distance of two robots of a team along their contour (m); empty without a team on patrol.",
-            |r| patrols(r, |p| p.nearest_m, f64::min),
-        ),
-        ResultColumn::int(
-            "attacks",
-            "Attacks that ended in the run, of all adversaries; empty without one.",
-            |r| attacks(r, |a| a.attacks),
-        ),
-        ResultColumn::int(
-            "attacks_detected",
-            "Attacks that guards detected; empty without an attack.",
-            |r| attacks(r, |a| a.detected),
-        ),
-        ResultColumn::float(
-            "detection_share",
-            "Attacks that guards detected, of all, 0 to 1; empty without an attack.",
-            |r| {
-                let detected = attacks(r, |a| a.detected)?;
-                Some(detected as f64 / attacks(r, |a| a.attacks)? as f64)
-            },
-        ),
-        ResultColumn::text(
-            "digest",
-            "Digest of the run, as `protean run` prints it.",
-            |r| &r.digest,
-        ),
-        ResultColumn::text("error", "Reason of a failure.", |r| &r.error),
-    ];
+             `patrolling_sim`; empty without a patrol."
+            => patrols(r, |p| p.mean_interval_s, f64::max);
+        F64 "patrol_nearest_m",
+            "Minimum distance of two robots of a team along their contour (m); empty without a team on patrol."
+            => patrols(r, |p| p.nearest_m, f64::min);
+        Int "attacks", "Attacks that ended in the run, of all adversaries; empty without one."
+            => attacks(r, |a| a.attacks);
+        Int "attacks_detected", "Attacks that guards detected; empty without an attack."
+            => attacks(r, |a| a.detected);
+        F64 "detection_share", "Attacks that guards detected, of all, 0 to 1; empty without an attack."
+            => detection_share(r);
+        Text "digest", "Digest of the run, as `protean run` prints it." => r.digest.as_str();
+        Text "error", "Reason of a failure." => r.error.as_str();
+    };
 
     fn rows(row: &Self) -> &[Self] {
         std::slice::from_ref(row)
@@ -324,6 +256,12 @@ impl Part<Self> for Row {
 fn attacks(row: &Row, count: fn(&AttackTotals) -> u32) -> Option<u64> {
     let counts = row.attacks.iter().map(count).map(u64::from);
     counts.reduce(|sum, count| sum + count)
+}
+
+/// Returns the share of all attacks that guards detected, 0 to 1; `None` without an attack.
+fn detection_share(row: &Row) -> Option<f64> {
+    let detected = attacks(row, |a| a.detected)?;
+    Some(detected as f64 / attacks(row, |a| a.attacks)? as f64)
 }
 
 /// Returns a value of all contours.
@@ -338,8 +276,4 @@ fn patrols(
 /// Returns a value of a mission that did not fail.
 fn known<T>(row: &Row, value: T) -> Option<T> {
     (!row.is_failed()).then_some(value)
-}
-
-fn count(row: &Row, value: u32) -> Option<u64> {
-    known(row, value.into())
 }

@@ -135,22 +135,15 @@ impl Parameters for SeedsSpec {
     }
 }
 
-/// Options of the execution of missions, without effect on results.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct RunSpec {
-    /// Wall-clock time after which a mission is aborted and counts as failed.
-    #[schemars(transform = between(1.0, 1e6).unit("s"))]
-    pub timeout_s: f64,
+parameters::table! {
+    /// Options of the execution of missions, without effect on results.
+    pub struct RunSpec {
+        /// Wall-clock time after which a mission is aborted and counts as failed.
+        pub timeout_s: f64 [between(1.0, 1e6).unit("s")] = 3600.0,
+    }
 }
 
 impl Parameters for RunSpec {}
-
-impl Default for RunSpec {
-    fn default() -> Self {
-        Self { timeout_s: 3600.0 }
-    }
-}
 
 /// Missions whose logs are kept.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -2,19 +2,17 @@
 //! planner.
 
 use parameters::{Parameters, ParamsError, within};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
 use plan::{Options, Recipe};
 
-/// Task of a mission: one random problem, planned once.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct Task {
-    /// Random problems.
-    pub instances: Recipe,
-    /// Options of the optimiser.
-    pub options: Options,
+parameters::table! {
+    /// Task of a mission: one random problem, planned once.
+    pub struct Task {
+        /// Random problems.
+        pub instances: Recipe,
+        /// Options of the optimiser.
+        pub options: Options,
+    }
 }
 
 /// Fault of a key of a task.

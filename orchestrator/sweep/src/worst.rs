@@ -34,7 +34,7 @@ fn columns() -> String {
 }
 
 fn is_number(column: &ResultColumn<Row>) -> bool {
-    matches!(column.kind(), Type::Int | Type::F64)
+    matches!(column.kind, Type::Int | Type::F64)
 }
 
 impl FromStr for Measure {

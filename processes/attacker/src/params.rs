@@ -5,8 +5,6 @@ use nalgebra::Point2;
 use parameters::{Parameters, ParamsError, above, at_least, between, each, require, unit, within};
 use patrol::attack::{Method, Schedule, places_along};
 use patrol::mission::MissionParams;
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
 /// Longest duration, pause and window (s).
 const MAX_TIME: f64 = 3600.0;
@@ -14,65 +12,38 @@ const MAX_TIME: f64 = 3600.0;
 /// Maximum number of places.
 const MAX_PLACES: usize = 2000;
 
-/// Parameters of adversaries.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct AttackerParams {
-    /// Names of the robots that guard the places; empty: all.
-    pub watch: Vec<String>,
-    /// The adversaries, each independent of the others: at `random`; by the full `history` of visits; by mean and standard
-    /// deviation of the times between visits (`statistical`); by the guards' method with other keys (`best_response`).
-    #[schemars(length(min = 1))]
-    pub methods: Vec<Method>,
-    /// Duration of an attack.
-    #[schemars(transform = above(0).at_most(MAX_TIME).unit("s"))]
-    pub duration_s: f64,
-    /// Distance from the place at which a guard detects an attack, whatever it sees.
-    #[schemars(transform = at_least(0).unit("m"))]
-    pub distance: f64,
-    /// Range at which a guard with a free line of sight to the place detects an attack, too; if absent, by `distance` only.
-    #[schemars(transform = above(0).unit("m"))]
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub sight: Option<f64>,
-    /// The places; empty: those along the contour of `mission`.
-    #[schemars(length(max = MAX_PLACES), transform = each(each(unit("m"))))]
-    pub places: Vec<[f64; 2]>,
-    /// Distance of the places along that contour.
-    #[schemars(transform = at_least(0.1).unit("m"))]
-    pub step: f64,
-    /// Time in which an adversary only watches.
-    #[schemars(transform = at_least(0).unit("s"))]
-    pub first_s: f64,
-    /// Time from the end of an attack until an adversary looks for the next one.
-    #[schemars(transform = at_least(0).at_most(MAX_TIME).unit("s"))]
-    pub pause_s: f64,
-    /// Time in which an adversary then begins an attack.
-    #[schemars(transform = at_least(0).at_most(MAX_TIME).unit("s"))]
-    pub window_s: f64,
-    /// Number of keys that `best_response` draws for each attack.
-    #[schemars(transform = between(1, 1000))]
-    pub samples: u32,
-    /// Task of the guards, if they patrol a contour: its parameters but the key.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub mission: Option<MissionParams>,
-}
-
-impl Default for AttackerParams {
-    fn default() -> Self {
-        Self {
-            watch: Vec::new(),
-            methods: vec![Method::Random],
-            duration_s: 20.0,
-            distance: 1.0,
-            sight: None,
-            places: Vec::new(),
-            step: 1.0,
-            first_s: 300.0,
-            pause_s: 10.0,
-            window_s: 60.0,
-            samples: 32,
-            mission: None,
-        }
+parameters::table! {
+    /// Parameters of adversaries.
+    pub struct AttackerParams {
+        /// Names of the robots that guard the places; empty: all.
+        pub watch: Vec<String>,
+        /// The adversaries, each independent of the others: at `random`; by the full `history` of visits; by mean and standard
+        /// deviation of the times between visits (`statistical`); by the guards' method with other keys (`best_response`).
+        #[schemars(length(min = 1))]
+        pub methods: Vec<Method> = vec![Method::Random],
+        /// Duration of an attack.
+        pub duration_s: f64 [above(0).at_most(MAX_TIME).unit("s")] = 20.0,
+        /// Distance from the place at which a guard detects an attack, whatever it sees.
+        pub distance: f64 [at_least(0).unit("m")] = 1.0,
+        /// Range at which a guard with a free line of sight to the place detects an attack, too; if absent, by `distance` only.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        pub sight: Option<f64> [above(0).unit("m")],
+        /// The places; empty: those along the contour of `mission`.
+        #[schemars(length(max = MAX_PLACES), transform = each(each(unit("m"))))]
+        pub places: Vec<[f64; 2]>,
+        /// Distance of the places along that contour.
+        pub step: f64 [at_least(0.1).unit("m")] = 1.0,
+        /// Time in which an adversary only watches.
+        pub first_s: f64 [at_least(0).unit("s")] = 300.0,
+        /// Time from the end of an attack until an adversary looks for the next one.
+        pub pause_s: f64 [at_least(0).at_most(MAX_TIME).unit("s")] = 10.0,
+        /// Time in which an adversary then begins an attack.
+        pub window_s: f64 [at_least(0).at_most(MAX_TIME).unit("s")] = 60.0,
+        /// Number of keys that `best_response` draws for each attack.
+        pub samples: u32 [between(1, 1000)] = 32,
+        /// Task of the guards, if they patrol a contour: its parameters but the key.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        pub mission: Option<MissionParams>,
     }
 }
 

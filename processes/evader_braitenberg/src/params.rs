@@ -1,47 +1,33 @@
 //! Parameters of the Braitenberg vehicle.
 
 use parameters::{Fidelity, Parameters, above, between};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
-/// Function from the product of the front cones to a speed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum SpeedGain {
-    /// Divided by its value in the middle of an open street 1 m wide, so that the robot drives
-    /// there at its highest speed.
-    #[default]
-    Normalised,
-    /// Unchanged (the paper's experiments): at most 13 % of the highest speed in a 1 m street.
-    Paper,
-}
-
-/// Parameters of [`Braitenberg`](crate::Braitenberg).
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct BraitenbergParams {
+parameters::choice! {
     /// Function from the product of the front cones to a speed.
-    pub speed_gain: SpeedGain,
-    /// Turning rate at full asymmetry.
-    #[schemars(transform = above(0).unit("rad/s"))]
-    pub turn_gain: f64,
-    /// Maximum backward speed, as a fraction of the highest forward speed.
-    #[schemars(transform = between(0, 1))]
-    pub reverse_fraction: f64,
-    /// Variant of the vehicle. [`Fidelity::Ours`]: it turns on the spot when it is blocked ahead.
-    /// With the unmodified formula of [`Fidelity::Published`] a robot that faces a wall squarely
-    /// stops for ever.
-    pub fidelity: Fidelity,
+    pub enum SpeedGain {
+        /// Divided by its value in the middle of an open street 1 m wide, so that the robot drives
+        /// there at its highest speed.
+        #[default]
+        Normalised,
+        /// Unchanged (the paper's experiments): at most 13 % of the highest speed in a 1 m street.
+        Paper,
+    }
 }
 
-impl Default for BraitenbergParams {
-    fn default() -> Self {
-        Self {
-            speed_gain: SpeedGain::Normalised,
-            turn_gain: 2.0,
-            reverse_fraction: 0.1,
-            fidelity: Fidelity::Ours,
-        }
+parameters::table! {
+    /// Parameters of [`Braitenberg`](crate::Braitenberg).
+    #[derive(Copy)]
+    pub struct BraitenbergParams {
+        /// Function from the product of the front cones to a speed.
+        pub speed_gain: SpeedGain = SpeedGain::Normalised,
+        /// Turning rate at full asymmetry.
+        pub turn_gain: f64 [above(0).unit("rad/s")] = 2.0,
+        /// Maximum backward speed, as a fraction of the highest forward speed.
+        pub reverse_fraction: f64 [between(0, 1)] = 0.1,
+        /// Variant of the vehicle. [`Fidelity::Ours`]: it turns on the spot when it is blocked ahead.
+        /// With the unmodified formula of [`Fidelity::Published`] a robot that faces a wall squarely
+        /// stops for ever.
+        pub fidelity: Fidelity = Fidelity::Ours,
     }
 }
 

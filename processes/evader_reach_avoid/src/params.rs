@@ -4,64 +4,37 @@ use avoidance::potential_field::ObstacleParams;
 use control::feedback_linearisation::FeedbackParams;
 use navigation::dominance::DominanceParams;
 use parameters::{Parameters, above, at_least};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
-/// Parameters of an [`Evader`](crate::Evader).
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct ReachAvoidParams {
-    /// Time between two plans.
-    #[schemars(transform = above(0).unit("s"))]
-    pub period_s: f64,
-    /// Without a safe way out: its own speed in its plans, as a fraction of its top speed: below 1,
-    /// since these plans ignore the time that turning takes.
-    #[schemars(transform = above(0).at_most(1))]
-    pub speed_fraction: f64,
-    /// Without a safe way out: distance beyond the capture radius that its plans keep from where
-    /// pursuers could be.
-    #[schemars(transform = at_least(0).unit("m"))]
-    pub avoid_radius: f64,
-    /// Without a safe way out: maximum useful lead over the pursuers at a place.
-    #[schemars(transform = at_least(0).unit("s"))]
-    pub enough_s: f64,
-    /// Without a safe way out: lead (s) that it gives up for being a second's drive nearer to the
-    /// exit.
-    #[schemars(transform = at_least(0))]
-    pub exit_weight: f64,
-    /// Without a safe way out: largest distance along its path to the point that it heads for.
-    #[schemars(transform = above(0).unit("m"))]
-    pub sight: f64,
-    /// Without a safe way out: distance kept from obstacles beyond the robot's radius where the path
-    /// is cut short at corners.
-    #[schemars(transform = at_least(0).unit("m"))]
-    pub margin: f64,
-    /// Resolution of the plans.
-    pub dominance: DominanceParams,
-    /// Repulsion from obstacles.
-    pub obstacle: ObstacleParams,
-    /// Gap to another body at which it begins to turn aside to pass it; 0 for never.
-    #[schemars(transform = at_least(0).unit("m"))]
-    pub body_guard: f64,
-    /// Conversion of the field to a command.
-    pub feedback: FeedbackParams,
-}
-
-impl Default for ReachAvoidParams {
-    fn default() -> Self {
-        Self {
-            period_s: 0.25,
-            speed_fraction: 0.9,
-            avoid_radius: 0.1,
-            enough_s: 6.0,
-            exit_weight: 0.5,
-            sight: 4.0,
-            margin: 0.05,
-            dominance: DominanceParams::default(),
-            obstacle: ObstacleParams::default(),
-            body_guard: 0.3,
-            feedback: FeedbackParams::default(),
-        }
+parameters::table! {
+    /// Parameters of an [`Evader`](crate::Evader).
+    #[derive(Copy)]
+    pub struct ReachAvoidParams {
+        /// Time between two plans.
+        pub period_s: f64 [above(0).unit("s")] = 0.25,
+        /// Without a safe way out: its own speed in its plans, as a fraction of its top speed: below 1,
+        /// since these plans ignore the time that turning takes.
+        pub speed_fraction: f64 [above(0).at_most(1)] = 0.9,
+        /// Without a safe way out: distance beyond the capture radius that its plans keep from where
+        /// pursuers could be.
+        pub avoid_radius: f64 [at_least(0).unit("m")] = 0.1,
+        /// Without a safe way out: maximum useful lead over the pursuers at a place.
+        pub enough_s: f64 [at_least(0).unit("s")] = 6.0,
+        /// Without a safe way out: lead (s) that it gives up for being a second's drive nearer to the
+        /// exit.
+        pub exit_weight: f64 [at_least(0)] = 0.5,
+        /// Without a safe way out: largest distance along its path to the point that it heads for.
+        pub sight: f64 [above(0).unit("m")] = 4.0,
+        /// Without a safe way out: distance kept from obstacles beyond the robot's radius where the path
+        /// is cut short at corners.
+        pub margin: f64 [at_least(0).unit("m")] = 0.05,
+        /// Resolution of the plans.
+        pub dominance: DominanceParams,
+        /// Repulsion from obstacles.
+        pub obstacle: ObstacleParams,
+        /// Gap to another body at which it begins to turn aside to pass it; 0 for never.
+        pub body_guard: f64 [at_least(0).unit("m")] = 0.3,
+        /// Conversion of the field to a command.
+        pub feedback: FeedbackParams,
     }
 }
 

@@ -2,8 +2,6 @@
 
 use parameters::{Parameters, ParamsError, above, at_least, between, require, within};
 use pursuit_evasion::potential_evader::EvaderParams;
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
 /// Maximum number of iterations of a plan.
 pub const MAX_ITERATIONS: u32 = 1_000_000;
@@ -11,18 +9,18 @@ pub const MAX_ITERATIONS: u32 = 1_000_000;
 /// Share of iterations that change points of the best path once there is one.
 pub(crate) const REFINE_SHARE: f64 = 0.3;
 
-/// Variant of the search and of the rules that belong to it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Algorithm {
-    /// RRT* with the improvements listed at [`Search`](crate::search::Search).
-    #[default]
-    Improved,
-    /// The search of the program that the chasing-game paper's authors published: nodes keep their
-    /// first parent, only the cheapest parent is tried, samples come from the whole map, a goal is
-    /// reached by samples at the goal only, every plan starts from an empty tree. Pursuers count as
-    /// far as 1 mm, and arcs begin along the robot's heading.
-    Published,
+parameters::choice! {
+    /// Variant of the search and of the rules that belong to it.
+    pub enum Algorithm {
+        /// RRT* with the improvements listed at [`Search`](crate::search::Search).
+        #[default]
+        Improved,
+        /// The search of the program that the chasing-game paper's authors published: nodes keep their
+        /// first parent, only the cheapest parent is tried, samples come from the whole map, a goal is
+        /// reached by samples at the goal only, every plan starts from an empty tree. Pursuers count as
+        /// far as 1 mm, and arcs begin along the robot's heading.
+        Published,
+    }
 }
 
 impl Algorithm {
@@ -44,31 +42,18 @@ impl Algorithm {
     }
 }
 
-/// Parameters of the tree search.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct SearchParams {
-    /// The variant of the search.
-    pub algorithm: Algorithm,
-    /// Number of iterations of one plan.
-    #[schemars(transform = between(1, MAX_ITERATIONS))]
-    pub iterations: u32,
-    /// Share of iterations that try to reach a goal.
-    #[schemars(transform = at_least(0).below(1.0 - REFINE_SHARE))]
-    pub goal_bias: f64,
-    /// Maximum length of an edge.
-    #[schemars(transform = above(0).unit("m"))]
-    pub max_edge: f64,
-}
-
-impl Default for SearchParams {
-    fn default() -> Self {
-        Self {
-            algorithm: Algorithm::Improved,
-            iterations: 1500,
-            goal_bias: 0.05,
-            max_edge: 3.0,
-        }
+parameters::table! {
+    /// Parameters of the tree search.
+    #[derive(Copy)]
+    pub struct SearchParams {
+        /// The variant of the search.
+        pub algorithm: Algorithm = Algorithm::Improved,
+        /// Number of iterations of one plan.
+        pub iterations: u32 [between(1, MAX_ITERATIONS)] = 1500,
+        /// Share of iterations that try to reach a goal.
+        pub goal_bias: f64 [at_least(0).below(1.0 - REFINE_SHARE)] = 0.05,
+        /// Maximum length of an edge.
+        pub max_edge: f64 [above(0).unit("m")] = 3.0,
     }
 }
 
@@ -93,50 +78,39 @@ impl SearchParams {
     }
 }
 
-/// Formula of the cost of an edge.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum CostKind {
-    /// The edge's length (m): shortest paths, without regard to pursuers.
-    Length,
-    /// The chasing-game paper's: length + (scale / d)³ with the distance d from the edge to the
-    /// nearest pursuer *where it is now*. Per edge, so that a path of many short edges past a
-    /// pursuer costs more than the same path in one.
-    Paper,
-    /// Length + the integral along the edge of weight · (scale / m)³, where m is how far off the
-    /// nearest pursuer can still be *when the evader gets there*:
-    ///
-    /// ```text
-    /// m = max(distance − reach · v_pursuer · min(t, horizon), closest),   t = way so far / v_own
-    /// ```
-    ///
-    /// An integral: cutting an edge in two changes nothing.
-    #[default]
-    TimeAware,
+parameters::choice! {
+    /// Formula of the cost of an edge.
+    pub enum CostKind {
+        /// The edge's length (m): shortest paths, without regard to pursuers.
+        Length,
+        /// The chasing-game paper's: length + (scale / d)³ with the distance d from the edge to the
+        /// nearest pursuer *where it is now*. Per edge, so that a path of many short edges past a
+        /// pursuer costs more than the same path in one.
+        Paper,
+        /// Length + the integral along the edge of weight · (scale / m)³, where m is how far off the
+        /// nearest pursuer can still be *when the evader gets there*:
+        ///
+        /// ```text
+        /// m = max(distance − reach · v_pursuer · min(t, horizon), closest),   t = way so far / v_own
+        /// ```
+        ///
+        /// An integral: cutting an edge in two changes nothing.
+        #[default]
+        TimeAware,
+    }
 }
 
-/// Parameters of the cost.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct CostParams {
-    /// Formula of the cost.
-    pub kind: CostKind,
-    /// Extra metres per metre of path where the danger is 1 (`time_aware` only).
-    #[schemars(transform = at_least(0))]
-    pub weight: f64,
-    /// Share of a pursuer's speed with which it is assumed to approach (`time_aware` only): 1 for a
-    /// pursuer that drives straight for the place at once, 0 for one that stays.
-    #[schemars(transform = between(0, 1))]
-    pub reach: f64,
-}
-
-impl Default for CostParams {
-    fn default() -> Self {
-        Self {
-            kind: CostKind::TimeAware,
-            weight: 1.0,
-            reach: 0.5,
-        }
+parameters::table! {
+    /// Parameters of the cost.
+    #[derive(Copy)]
+    pub struct CostParams {
+        /// Formula of the cost.
+        pub kind: CostKind = CostKind::TimeAware,
+        /// Extra metres per metre of path where the danger is 1 (`time_aware` only).
+        pub weight: f64 [at_least(0)] = 1.0,
+        /// Share of a pursuer's speed with which it is assumed to approach (`time_aware` only): 1 for a
+        /// pursuer that drives straight for the place at once, 0 for one that stays.
+        pub reach: f64 [between(0, 1)] = 0.5,
     }
 }
 
@@ -160,66 +134,58 @@ impl CostParams {
     }
 }
 
-/// The motion primitive.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Primitive {
-    /// Straight lines.
-    #[default]
-    Line,
-    /// Circular arcs.
-    Arc,
+parameters::choice! {
+    /// The motion primitive.
+    pub enum Primitive {
+        /// Straight lines.
+        #[default]
+        Line,
+        /// Circular arcs.
+        Arc,
+    }
 }
 
-/// Parameters of arcs.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct ArcParams {
-    /// Smallest turning radius; absent: the robot's highest speed through its highest
-    /// turning rate (as far as the follower may use it).
-    #[schemars(transform = above(0).unit("m"))]
-    pub min_radius: Option<f64>,
+parameters::table! {
+    /// Parameters of arcs.
+    #[derive(Copy)]
+    pub struct ArcParams {
+        /// Smallest turning radius; absent: the robot's highest speed through its highest
+        /// turning rate (as far as the follower may use it).
+        pub min_radius: Option<f64> [above(0).unit("m")],
+    }
 }
 
 impl Parameters for ArcParams {}
 
-/// Parameters of the planning time.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct TimingParams {
-    /// Simulated time of an iteration. A plan takes effect `iterations` times this after its start;
-    /// until then the last one is followed. With 0 planning takes no simulated time (the paper's
-    /// experiments). The default is about ten times the search's time on a desktop processor: that
-    /// of a small robot's.
-    #[schemars(transform = at_least(0).unit("s"))]
-    pub time_per_iteration_s: f64,
-}
-
-impl Default for TimingParams {
-    fn default() -> Self {
-        Self {
-            time_per_iteration_s: 3e-5,
-        }
+parameters::table! {
+    /// Parameters of the planning time.
+    #[derive(Copy)]
+    pub struct TimingParams {
+        /// Simulated time of an iteration. A plan takes effect `iterations` times this after its start;
+        /// until then the last one is followed. With 0 planning takes no simulated time (the paper's
+        /// experiments). The default is about ten times the search's time on a desktop processor: that
+        /// of a small robot's.
+        pub time_per_iteration_s: f64 [at_least(0).unit("s")] = 3e-5,
     }
 }
 
 impl Parameters for TimingParams {}
 
-/// Rule by which an evader replans while its plan is valid.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum ReplanRule {
-    /// Every `period_s`, and when a pursuer threatens the path or the robot has left it; at most
-    /// five times a second.
-    #[default]
-    Periodic,
-    /// The chasing-game paper's: every `period_s` it checks the pursuers' distances from the path's
-    /// segments, each divided by a weight that begins with 1 and is itself divided by the square of
-    /// every segment's length; it replans if the minimum is below 1.5. Within 0.3 m of the exit it
-    /// plans at every chance. It never checks that the robot is still on its path. A plan without a
-    /// path to an exit drops the last one: the last command continues, and the robot plans at every
-    /// chance.
-    Paper,
+parameters::choice! {
+    /// Rule by which an evader replans while its plan is valid.
+    pub enum ReplanRule {
+        /// Every `period_s`, and when a pursuer threatens the path or the robot has left it; at most
+        /// five times a second.
+        #[default]
+        Periodic,
+        /// The chasing-game paper's: every `period_s` it checks the pursuers' distances from the path's
+        /// segments, each divided by a weight that begins with 1 and is itself divided by the square of
+        /// every segment's length; it replans if the minimum is below 1.5. Within 0.3 m of the exit it
+        /// plans at every chance. It never checks that the robot is still on its path. A plan without a
+        /// path to an exit drops the last one: the last command continues, and the robot plans at every
+        /// chance.
+        Paper,
+    }
 }
 
 impl ReplanRule {
@@ -246,29 +212,18 @@ impl ReplanRule {
     }
 }
 
-/// Parameters of replanning. Without a path, off it, and when a new obstacle blocks it, an evader
-/// replans as soon as the rule allows it.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct ReplanParams {
-    /// The rule.
-    pub rule: ReplanRule,
-    /// Time between two plans (`periodic`) or two checks (`paper`).
-    #[schemars(transform = above(0).unit("s"))]
-    pub period_s: f64,
-    /// Distance of a threat (`periodic` only): a path is threatened when a pursuer can be this near
-    /// to a place on it when the evader gets there; 0 for never.
-    #[schemars(transform = at_least(0).unit("m"))]
-    pub threat_distance: f64,
-}
-
-impl Default for ReplanParams {
-    fn default() -> Self {
-        Self {
-            rule: ReplanRule::Periodic,
-            period_s: 0.5,
-            threat_distance: 0.5,
-        }
+parameters::table! {
+    /// Parameters of replanning. Without a path, off it, and when a new obstacle blocks it, an evader
+    /// replans as soon as the rule allows it.
+    #[derive(Copy)]
+    pub struct ReplanParams {
+        /// The rule.
+        pub rule: ReplanRule = ReplanRule::Periodic,
+        /// Time between two plans (`periodic`) or two checks (`paper`).
+        pub period_s: f64 [above(0).unit("s")] = 0.5,
+        /// Distance of a threat (`periodic` only): a path is threatened when a pursuer can be this near
+        /// to a place on it when the evader gets there; 0 for never.
+        pub threat_distance: f64 [at_least(0).unit("m")] = 0.5,
     }
 }
 
@@ -285,16 +240,16 @@ impl ReplanParams {
     }
 }
 
-/// Control law that follows a path.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Follower {
-    /// Pure pursuit.
-    #[default]
-    PurePursuit,
-    /// The chasing-game paper's: its potential field from one point of the path to the next, and
-    /// feedback linearisation.
-    PotentialField,
+parameters::choice! {
+    /// Control law that follows a path.
+    pub enum Follower {
+        /// Pure pursuit.
+        #[default]
+        PurePursuit,
+        /// The chasing-game paper's: its potential field from one point of the path to the next, and
+        /// feedback linearisation.
+        PotentialField,
+    }
 }
 
 impl Follower {
@@ -308,41 +263,26 @@ impl Follower {
     }
 }
 
-/// Parameters of an [`RrtStarEvader`](crate::RrtStarEvader).
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct RrtStarParams {
-    /// The motion primitive.
-    pub primitive: Primitive,
-    /// Parameters of arcs.
-    pub arc: ArcParams,
-    /// The tree.
-    pub search: SearchParams,
-    /// The cost of paths.
-    pub cost: CostParams,
-    /// Distance kept from walls beyond the robot's own radius: room for the follower.
-    #[schemars(transform = at_least(0).unit("m"))]
-    pub margin: f64,
-    /// Planning time.
-    pub timing: TimingParams,
-    /// The times of plans.
-    pub replan: ReplanParams,
-    /// Control law that follows paths.
-    pub follower: Follower,
-}
-
-impl Default for RrtStarParams {
-    fn default() -> Self {
-        Self {
-            primitive: Primitive::default(),
-            arc: ArcParams::default(),
-            search: SearchParams::default(),
-            cost: CostParams::default(),
-            margin: 0.03,
-            timing: TimingParams::default(),
-            replan: ReplanParams::default(),
-            follower: Follower::default(),
-        }
+parameters::table! {
+    /// Parameters of an [`RrtStarEvader`](crate::RrtStarEvader).
+    #[derive(Copy)]
+    pub struct RrtStarParams {
+        /// The motion primitive.
+        pub primitive: Primitive,
+        /// Parameters of arcs.
+        pub arc: ArcParams,
+        /// The tree.
+        pub search: SearchParams,
+        /// The cost of paths.
+        pub cost: CostParams,
+        /// Distance kept from walls beyond the robot's own radius: room for the follower.
+        pub margin: f64 [at_least(0).unit("m")] = 0.03,
+        /// Planning time.
+        pub timing: TimingParams,
+        /// The times of plans.
+        pub replan: ReplanParams,
+        /// Control law that follows paths.
+        pub follower: Follower,
     }
 }
 

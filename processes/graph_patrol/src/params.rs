@@ -3,50 +3,31 @@
 use avoidance::waypoint_driver::DriverParams;
 use parameters::{Parameters, ParamsError, above, within};
 use patrol_graph::{AssignmentParams, BayesParams, GraphParams, MarkovParams, Strategy};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
-/// Parameters of a [`GraphPatrol`](crate::GraphPatrol).
-///
-/// ```toml
-/// strategy = "state_exchange"
-/// graph = { nodes = [[1, 1], [9, 1], [9, 9]], edges = [[0, 1], [1, 2]] }
-/// ```
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct GraphPatrolParams {
-    /// The graph; without nodes it is the Voronoi diagram of the free space of the map.
-    pub graph: GraphParams,
-    /// Distance between the nodes of a graph from the map.
-    #[schemars(transform = above(0).unit("m"))]
-    pub spacing: f64,
-    /// Choice of the next node.
-    pub strategy: Strategy,
-    /// Parameters of the strategies `greedy` and `state_exchange`.
-    pub bayes: BayesParams,
-    /// Parameters of the strategy `task_assignment`.
-    pub assignment: AssignmentParams,
-    /// Parameters of the strategy `markov`.
-    pub markov: MarkovParams,
-    /// Distance within which a robot visits a node.
-    #[schemars(transform = above(0).unit("m"))]
-    pub visit: f64,
-    /// Driver to waypoints.
-    pub driver: DriverParams,
-}
-
-impl Default for GraphPatrolParams {
-    fn default() -> Self {
-        Self {
-            graph: GraphParams::default(),
-            spacing: 5.0,
-            strategy: Strategy::default(),
-            bayes: BayesParams::default(),
-            assignment: AssignmentParams::default(),
-            markov: MarkovParams::default(),
-            visit: 0.5,
-            driver: DriverParams::default(),
-        }
+parameters::table! {
+    /// Parameters of a [`GraphPatrol`](crate::GraphPatrol).
+    ///
+    /// ```toml
+    /// strategy = "state_exchange"
+    /// graph = { nodes = [[1, 1], [9, 1], [9, 9]], edges = [[0, 1], [1, 2]] }
+    /// ```
+    pub struct GraphPatrolParams {
+        /// The graph; without nodes it is the Voronoi diagram of the free space of the map.
+        pub graph: GraphParams,
+        /// Distance between the nodes of a graph from the map.
+        pub spacing: f64 [above(0).unit("m")] = 5.0,
+        /// Choice of the next node.
+        pub strategy: Strategy,
+        /// Parameters of the strategies `greedy` and `state_exchange`.
+        pub bayes: BayesParams,
+        /// Parameters of the strategy `task_assignment`.
+        pub assignment: AssignmentParams,
+        /// Parameters of the strategy `markov`.
+        pub markov: MarkovParams,
+        /// Distance within which a robot visits a node.
+        pub visit: f64 [above(0).unit("m")] = 0.5,
+        /// Driver to waypoints.
+        pub driver: DriverParams,
     }
 }
 

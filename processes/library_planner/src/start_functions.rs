@@ -1,5 +1,7 @@
 //! Functions that a library calls at the start of a run: parameters, refusal.
 
+#![expect(unsafe_code, reason = "called by the library, with its pointers")]
+
 use core::ffi::{CStr, c_char};
 use std::cell::RefCell;
 use std::collections::BTreeSet;
@@ -91,7 +93,6 @@ impl<'a> StartContext<'a> {
 ///
 /// # Safety
 /// `start` is NULL or the pointer that `create` received, during that call.
-#[expect(unsafe_code, reason = "the pointer comes back from the library")]
 unsafe fn context<'a>(start: *const Start) -> Option<&'a StartContext<'a>> {
     // SAFETY: the caller's; the context was made for the same call.
     unsafe { start.as_ref()?.context.cast::<StartContext<'a>>().as_ref() }
@@ -101,7 +102,6 @@ unsafe fn context<'a>(start: *const Start) -> Option<&'a StartContext<'a>> {
 ///
 /// # Safety
 /// `text` is NULL or a string that ends with a zero byte.
-#[expect(unsafe_code, reason = "strings of the library are C strings")]
 pub unsafe fn text(text: *const c_char) -> String {
     if text.is_null() {
         return String::new();
@@ -111,14 +111,12 @@ pub unsafe fn text(text: *const c_char) -> String {
     text.to_string_lossy().into_owned()
 }
 
-#[expect(unsafe_code, reason = "called by the library")]
 unsafe extern "C" fn number(start: *const Start, key: *const c_char, absent: f64) -> f64 {
     // SAFETY: duties of the library, stated in the header.
     let (context, key) = unsafe { (context(start), text(key)) };
     context.map_or(absent, |context| context.number(&key, absent))
 }
 
-#[expect(unsafe_code, reason = "called by the library")]
 unsafe extern "C" fn params(start: *const Start) -> *const c_char {
     // SAFETY: duty of the library, stated in the header.
     let Some(context) = (unsafe { context(start) }) else {
@@ -128,7 +126,6 @@ unsafe extern "C" fn params(start: *const Start) -> *const c_char {
     context.text.as_ptr()
 }
 
-#[expect(unsafe_code, reason = "called by the library")]
 unsafe extern "C" fn refuse(start: *const Start, reason: *const c_char) {
     // SAFETY: duties of the library, stated in the header.
     let (context, reason) = unsafe { (context(start), text(reason)) };

@@ -1,5 +1,7 @@
 //! Functions that a library calls in a tick: the map, driving to a point, random numbers.
 
+#![expect(unsafe_code, reason = "called by the library, with its pointers")]
+
 use core::ffi::{c_char, c_void};
 use std::cell::RefCell;
 
@@ -74,7 +76,6 @@ impl TickContext<'_> {
     ///
     /// # Errors
     /// [`Unexpected`] names the topic.
-    #[expect(unsafe_code, reason = "the elements are of the library")]
     unsafe fn write(
         &self,
         topic: &str,
@@ -148,7 +149,6 @@ impl RobotTask<'_> {
 ///
 /// # Safety
 /// `tick` is NULL or the pointer that `steer` received, during that call.
-#[expect(unsafe_code, reason = "the pointer comes back from the library")]
 unsafe fn context<'a>(tick: *const Tick) -> Option<&'a TickContext<'a>> {
     // SAFETY: the caller's; the context was made for the same call.
     unsafe { tick.as_ref()?.context.cast::<TickContext<'a>>().as_ref() }
@@ -158,7 +158,6 @@ unsafe fn context<'a>(tick: *const Tick) -> Option<&'a TickContext<'a>> {
 ///
 /// # Safety
 /// As [`context`].
-#[expect(unsafe_code, reason = "the pointer comes back from the library")]
 unsafe fn task<'a>(tick: *const Tick) -> Option<&'a RobotTask<'a>> {
     // SAFETY: the caller's.
     let context = unsafe { context(tick) }?;
@@ -169,14 +168,12 @@ unsafe fn task<'a>(tick: *const Tick) -> Option<&'a RobotTask<'a>> {
     context.task.as_ref()
 }
 
-#[expect(unsafe_code, reason = "called by the library")]
 unsafe extern "C" fn clearance(tick: *const Tick, at: Point) -> f64 {
     // SAFETY: duty of the library, stated in the header.
     let task = unsafe { task(tick) };
     task.map_or(0.0, |task| task.map.clearance(at.into()))
 }
 
-#[expect(unsafe_code, reason = "called by the library")]
 unsafe extern "C" fn free_run(tick: *const Tick, from: Point, to: Point, radius: f64) -> f64 {
     // SAFETY: duty of the library, stated in the header.
     let task = unsafe { task(tick) };
@@ -185,14 +182,12 @@ unsafe extern "C" fn free_run(tick: *const Tick, from: Point, to: Point, radius:
     })
 }
 
-#[expect(unsafe_code, reason = "called by the library")]
 unsafe extern "C" fn line_is_clear(tick: *const Tick, from: Point, to: Point, radius: f64) -> bool {
     // SAFETY: duty of the library, stated in the header.
     let task = unsafe { task(tick) };
     task.is_some_and(|task| task.map.line_is_clear(from.into(), to.into(), radius))
 }
 
-#[expect(unsafe_code, reason = "called by the library")]
 unsafe extern "C" fn away_from_obstacles(tick: *const Tick, at: Point) -> Point {
     // SAFETY: duty of the library, stated in the header.
     let task = unsafe { task(tick) };
@@ -200,7 +195,6 @@ unsafe extern "C" fn away_from_obstacles(tick: *const Tick, at: Point) -> Point 
     away.unwrap_or_default().into()
 }
 
-#[expect(unsafe_code, reason = "called by the library")]
 unsafe extern "C" fn way(
     tick: *const Tick,
     to: Point,
@@ -222,7 +216,6 @@ unsafe extern "C" fn way(
     corners.len()
 }
 
-#[expect(unsafe_code, reason = "called by the library")]
 unsafe extern "C" fn go_to(tick: *const Tick, target: Point, steering: *mut Steering) {
     // SAFETY: duties of the library, stated in the header.
     let (context, task, steering) = unsafe { (context(tick), task(tick), steering.as_mut()) };
@@ -252,7 +245,6 @@ extern "C" fn angle(_: *const Tick, vector: Point) -> f64 {
     math::atan2(vector.y, vector.x)
 }
 
-#[expect(unsafe_code, reason = "called by the library")]
 unsafe extern "C" fn read(tick: *const Tick, topic: *const c_char) -> Messages {
     // SAFETY: duties of the library, stated in the header.
     let (context, topic) = unsafe { (context(tick), text(topic)) };
@@ -266,7 +258,6 @@ unsafe extern "C" fn read(tick: *const Tick, topic: *const c_char) -> Messages {
     })
 }
 
-#[expect(unsafe_code, reason = "called by the library")]
 unsafe extern "C" fn write(
     tick: *const Tick,
     topic: *const c_char,
@@ -282,14 +273,12 @@ unsafe extern "C" fn write(
     }
 }
 
-#[expect(unsafe_code, reason = "called by the library")]
 unsafe extern "C" fn random(tick: *const Tick) -> f64 {
     // SAFETY: duty of the library, stated in the header.
     let context = unsafe { context(tick) };
     context.map_or(0.0, |context| context.random.borrow_mut().random())
 }
 
-#[expect(unsafe_code, reason = "called by the library")]
 unsafe extern "C" fn fail(tick: *const Tick, reason: *const c_char) {
     // SAFETY: duties of the library, stated in the header.
     let (context, reason) = unsafe { (context(tick), text(reason)) };

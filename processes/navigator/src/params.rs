@@ -1,89 +1,62 @@
 //! Parameters of the process.
 
 use parameters::{Parameters, ParamsError, above, at_least, between, each, require, unit, within};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 use trajectory_problem::{Guess, Method};
 
-/// Reaction of a robot to an obstacle that appears on its path.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum AtPopup {
-    /// Follows the part of the old plan that is still safe while the optimiser computes a new one.
-    #[default]
-    Follow,
-    /// Stops at once and waits for the new plan, as in the paper.
-    Stop,
+parameters::choice! {
+    /// Reaction of a robot to an obstacle that appears on its path.
+    pub enum AtPopup {
+        /// Follows the part of the old plan that is still safe while the optimiser computes a new one.
+        #[default]
+        Follow,
+        /// Stops at once and waits for the new plan, as in the paper.
+        Stop,
+    }
 }
 
-/// Parameters of requests for plans; the optimiser's defaults hold for absent ones.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct PlanningParams {
-    /// The method.
-    pub method: Method,
-    /// The path that it starts from.
-    pub guess: Guess,
-    /// Degree of the B-spline.
-    #[schemars(transform = between(2, 8))]
-    pub degree: Option<u32>,
-    /// Control points of the B-spline, more than `degree`.
-    #[schemars(transform = between(3, 64))]
-    pub control_points: Option<u32>,
-    /// N of the N + 1 nodes of `vmc`.
-    #[schemars(transform = between(2, 64))]
-    pub nodes: Option<u32>,
-    /// `true` for plans that may drive backwards, up to the robot's `v_reverse_max`.
-    pub backwards: bool,
-    /// Reference point of `vmc`.
-    #[schemars(transform = each(between(-1e6, 1e6)).unit("m"))]
-    pub reference_point: Option<[f64; 2]>,
+parameters::table! {
+    /// Parameters of requests for plans; the optimiser's defaults hold for absent ones.
+    #[derive(Copy)]
+    pub struct PlanningParams {
+        /// The method.
+        pub method: Method,
+        /// The path that it starts from.
+        pub guess: Guess,
+        /// Degree of the B-spline.
+        pub degree: Option<u32> [between(2, 8)],
+        /// Control points of the B-spline, more than `degree`.
+        pub control_points: Option<u32> [between(3, 64)],
+        /// N of the N + 1 nodes of `vmc`.
+        pub nodes: Option<u32> [between(2, 64)],
+        /// `true` for plans that may drive backwards, up to the robot's `v_reverse_max`.
+        pub backwards: bool,
+        /// Reference point of `vmc`.
+        pub reference_point: Option<[f64; 2]> [each(between(-1e6, 1e6)).unit("m")],
+    }
 }
 
-/// Parameters of the process `navigator`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct NavigatorParams {
-    /// Goals to visit, in this order; none: the centre of the robot's `goal`.
-    #[schemars(transform = each(each(unit("m"))))]
-    pub goals: Vec<[f64; 2]>,
-    /// `true` to begin again after the last goal.
-    pub repeat: bool,
-    /// Parameters of requests for plans.
-    pub plan: PlanningParams,
-    /// Simulated planning time: a plan takes effect at the first tick that much later, at least one
-    /// tick later. In real time it takes effect on arrival, and this is the optimiser's time limit.
-    #[schemars(transform = at_least(0).unit("s"))]
-    pub planning_time_s: f64,
-    /// Reaction to an obstacle that appears on the path.
-    pub at_popup: AtPopup,
-    /// Distance kept from obstacles beyond the radius: covers the tracking error.
-    #[schemars(transform = above(0).unit("m"))]
-    pub margin: f64,
-    /// Largest tracking error, at most `margin`: a robot with a larger error stops and replans.
-    #[schemars(transform = above(0).unit("m"))]
-    pub max_error: f64,
-    /// Share of the robot's speed limits that plans use: the rest is for corrections.
-    #[schemars(transform = above(0).at_most(1))]
-    pub speed_fraction: f64,
-    /// Time for which another robot may block the path before the robot plans around it.
-    #[schemars(transform = at_least(0).unit("s"))]
-    pub patience_s: f64,
-}
-
-impl Default for NavigatorParams {
-    fn default() -> Self {
-        Self {
-            goals: Vec::new(),
-            repeat: false,
-            plan: PlanningParams::default(),
-            planning_time_s: 0.05,
-            at_popup: AtPopup::Follow,
-            margin: 0.02,
-            max_error: 0.015,
-            speed_fraction: 1.0,
-            patience_s: 0.5,
-        }
+parameters::table! {
+    /// Parameters of the process `navigator`.
+    pub struct NavigatorParams {
+        /// Goals to visit, in this order; none: the centre of the robot's `goal`.
+        pub goals: Vec<[f64; 2]> [each(each(unit("m")))],
+        /// `true` to begin again after the last goal.
+        pub repeat: bool = false,
+        /// Parameters of requests for plans.
+        pub plan: PlanningParams,
+        /// Simulated planning time: a plan takes effect at the first tick that much later, at least one
+        /// tick later. In real time it takes effect on arrival, and this is the optimiser's time limit.
+        pub planning_time_s: f64 [at_least(0).unit("s")] = 0.05,
+        /// Reaction to an obstacle that appears on the path.
+        pub at_popup: AtPopup = AtPopup::Follow,
+        /// Distance kept from obstacles beyond the radius: covers the tracking error.
+        pub margin: f64 [above(0).unit("m")] = 0.02,
+        /// Largest tracking error, at most `margin`: a robot with a larger error stops and replans.
+        pub max_error: f64 [above(0).unit("m")] = 0.015,
+        /// Share of the robot's speed limits that plans use: the rest is for corrections.
+        pub speed_fraction: f64 [above(0).at_most(1)] = 1.0,
+        /// Time for which another robot may block the path before the robot plans around it.
+        pub patience_s: f64 [at_least(0).unit("s")] = 0.5,
     }
 }
 

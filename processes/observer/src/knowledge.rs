@@ -32,40 +32,24 @@ pub enum CatKind {
     CatF64,
 }
 
-/// Public knowledge of a patrol with waypoints from a cat map (cat-map patrol paper).
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct CatKnowledge {
-    /// The route, at least two points.
-    #[schemars(transform = each(each(unit("m"))), length(min = 2))]
-    pub contour: Vec<[f64; 2]>,
-    /// `true` if it ends at its start.
-    pub closed: bool,
-    /// Maximum duration of a lap.
-    #[schemars(transform = above(0).unit("s"))]
-    pub t_max: f64,
-    /// Width of the zig-zag.
-    #[schemars(transform = above(0).unit("m"))]
-    pub alpha: f64,
-    /// The formulas' variant.
-    pub preset: Preset,
-    /// Zones of the route in which waypoints are inserted; empty: everywhere.
-    pub danger_zones: DangerZones,
-    /// The map.
-    pub generator: CatKind,
-}
-
-impl Default for CatKnowledge {
-    fn default() -> Self {
-        Self {
-            contour: Vec::new(),
-            closed: true,
-            t_max: 120.0,
-            alpha: 1.0,
-            preset: Preset::default(),
-            danger_zones: DangerZones::default(),
-            generator: CatKind::default(),
-        }
+parameters::table! {
+    /// Public knowledge of a patrol with waypoints from a cat map (cat-map patrol paper).
+    pub struct CatKnowledge {
+        /// The route, at least two points.
+        #[schemars(transform = each(each(unit("m"))), length(min = 2))]
+        pub contour: Vec<[f64; 2]>,
+        /// `true` if it ends at its start.
+        pub closed: bool = true,
+        /// Maximum duration of a lap.
+        pub t_max: f64 [above(0).unit("s")] = 120.0,
+        /// Width of the zig-zag.
+        pub alpha: f64 [above(0).unit("m")] = 1.0,
+        /// The formulas' variant.
+        pub preset: Preset,
+        /// Zones of the route in which waypoints are inserted; empty: everywhere.
+        pub danger_zones: DangerZones,
+        /// The map.
+        pub generator: CatKind,
     }
 }
 

@@ -39,85 +39,49 @@ impl Method {
     ];
 }
 
-/// Accuracy of an observer's view.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct PoseSensorParams {
-    /// Standard deviation of x and of y.
-    #[schemars(transform = at_least(0).unit("m"))]
-    pub noise: f64,
-    /// Standard deviation of the heading.
-    #[schemars(transform = at_least(0).unit("rad"))]
-    pub heading_noise: f64,
-    /// Largest distance at which a robot is seen; unlimited if absent.
-    #[schemars(transform = above(0).unit("m"))]
-    pub range: Option<f64>,
+parameters::table! {
+    /// Accuracy of an observer's view.
+    pub struct PoseSensorParams {
+        /// Standard deviation of x and of y.
+        pub noise: f64 [at_least(0).unit("m")] = 0.005,
+        /// Standard deviation of the heading.
+        pub heading_noise: f64 [at_least(0).unit("rad")] = 0.005,
+        /// Largest distance at which a robot is seen; unlimited if absent.
+        pub range: Option<f64> [above(0).unit("m")],
+    }
 }
 
 impl Parameters for PoseSensorParams {}
 
-impl Default for PoseSensorParams {
-    fn default() -> Self {
-        Self {
-            noise: 0.005,
-            heading_noise: 0.005,
-            range: None,
-        }
-    }
-}
-
-/// Parameters of an observer.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct ObserverParams {
-    /// Names of the robots that it watches; empty: all but its viewpoints.
-    pub watch: Vec<String>,
-    /// Fixed viewpoints. Without any, and without `from_robots`, it sees everything always.
-    #[schemars(transform = each(each(unit("m"))))]
-    pub from_points: Vec<[f64; 2]>,
-    /// Names of the robots that are viewpoints.
-    pub from_robots: Vec<String>,
-    /// Accuracy of its view.
-    pub viewpoint: PoseSensorParams,
-    /// Time between two messages, rounded to whole ticks.
-    #[schemars(transform = above(0).unit("s"))]
-    pub period_s: f64,
-    /// Prediction horizons, rounded to whole ticks.
-    #[schemars(length(min = 1, max = MAX_HORIZONS), transform = each(above(0).at_most(MAX_HORIZON).unit("s")))]
-    pub horizons_s: Vec<f64>,
-    /// Prediction methods, besides those that the knowledge below allows.
-    pub methods: Vec<Method>,
-    /// Distance from its goal at which a watched robot turns to the next one.
-    #[schemars(transform = at_least(0).unit("m"))]
-    pub arrival: f64,
-    /// Spectral density of the acceleration in the Kalman filter.
-    #[schemars(transform = at_least(0).unit("m²/s³"))]
-    pub acceleration: f64,
-    /// The particle filters.
-    pub filter: FilterParams,
-    /// Public knowledge of a patrol with a cat map. If given, the observer searches for its key.
-    pub cat: Option<CatKnowledge>,
-    /// Public knowledge of a coverage with Chebyshev maps. If given, the observer searches for its
-    /// key.
-    pub chebyshev: Option<ChebyshevKnowledge>,
-}
-
-impl Default for ObserverParams {
-    fn default() -> Self {
-        Self {
-            watch: Vec::new(),
-            from_points: Vec::new(),
-            from_robots: Vec::new(),
-            viewpoint: PoseSensorParams::default(),
-            period_s: 0.25,
-            horizons_s: vec![0.5, 1.0, 2.0, 5.0],
-            methods: Method::ALL.to_vec(),
-            arrival: 0.05,
-            acceleration: 1.0,
-            filter: FilterParams::default(),
-            cat: None,
-            chebyshev: None,
-        }
+parameters::table! {
+    /// Parameters of an observer.
+    pub struct ObserverParams {
+        /// Names of the robots that it watches; empty: all but its viewpoints.
+        pub watch: Vec<String>,
+        /// Fixed viewpoints. Without any, and without `from_robots`, it sees everything always.
+        pub from_points: Vec<[f64; 2]> [each(each(unit("m")))],
+        /// Names of the robots that are viewpoints.
+        pub from_robots: Vec<String>,
+        /// Accuracy of its view.
+        pub viewpoint: PoseSensorParams,
+        /// Time between two messages, rounded to whole ticks.
+        pub period_s: f64 [above(0).unit("s")] = 0.25,
+        /// Prediction horizons, rounded to whole ticks.
+        #[schemars(length(min = 1, max = MAX_HORIZONS), transform = each(above(0).at_most(MAX_HORIZON).unit("s")))]
+        pub horizons_s: Vec<f64> = vec![0.5, 1.0, 2.0, 5.0],
+        /// Prediction methods, besides those that the knowledge below allows.
+        pub methods: Vec<Method> = Method::ALL.to_vec(),
+        /// Distance from its goal at which a watched robot turns to the next one.
+        pub arrival: f64 [at_least(0).unit("m")] = 0.05,
+        /// Spectral density of the acceleration in the Kalman filter.
+        pub acceleration: f64 [at_least(0).unit("m²/s³")] = 1.0,
+        /// The particle filters.
+        pub filter: FilterParams,
+        /// Public knowledge of a patrol with a cat map. If given, the observer searches for its key.
+        pub cat: Option<CatKnowledge>,
+        /// Public knowledge of a coverage with Chebyshev maps. If given, the observer searches for its
+        /// key.
+        pub chebyshev: Option<ChebyshevKnowledge>,
     }
 }
 

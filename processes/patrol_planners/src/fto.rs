@@ -6,24 +6,21 @@ mod params;
 use parameters::{check, within};
 use std::collections::VecDeque;
 
-use avoidance::waypoint_driver::{Situation, WaypointDriver};
 use chaotic_maps::AnySource;
-use geometry::pose::Twist2;
-use nalgebra::{Point2, Vector2};
+use nalgebra::Point2;
 use patrol::awg::{Awg, Laps};
 use patrol::fto::{Carrier, Disc, Fto, merged};
 use patrol::mission::{Drive, Mission, MissionError};
 use patrol::mixed::{Method, MixedLaps, MixedParams};
-use patrol::team::Team;
 use planner_view::free_space::FreeSpace;
 use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
-use planner_view::view::{RobotView, View};
+use planner_view::view::View;
 use planner_view::waypoint::{Waypoint, WaypointKind, WaypointReport};
 use robot::spec::RobotModel;
 
 use crate::PatrolError;
-use crate::check::fitted;
+use crate::round::Round;
 
 pub use params::{PatrolFtoParams, Protection};
 
@@ -86,27 +83,16 @@ impl WaypointSource {
 /// One robot on patrol.
 #[derive(Debug, Clone)]
 pub struct PatrolFto {
-    mission: Mission,
-    team: Option<Team>,
-    /// Its highest speed between waypoints (m/s).
-    v_max: f64,
+    round: Round,
     protection: Protection,
     mixed: MixedParams,
-    /// `true` from the first tick on.
-    has_begun: bool,
-    /// `true` if the zig-zag fits the map.
-    entered: bool,
-    obstacles_known: bool,
     way: WaypointSource,
     fto: Fto,
     /// Numbers of the waypoints at the driver that have not ended; `true` if fictive obstacles
     /// protect the path to them.
     handed: VecDeque<(u64, bool)>,
-    driver: WaypointDriver,
-    radius: f64,
     disc: Option<Disc>,
     ranges: Vec<f32>,
-    reports: Vec<WaypointReport>,
 }
 
 impl PatrolFto {
@@ -122,45 +108,33 @@ impl PatrolFto {
         seed: u64,
     ) -> Result<Self, PatrolError> {
         check(params)?;
-        let mission = params.mission.prepare(drive, &params.driver.go_to, seed)?;
-        let way = WaypointSource::new(&mission, params.protection, params.mixed, 0.0)?;
+        let (mission, driver) = (&params.mission, &params.driver);
+        let round = Round::new(mission, driver, params.obstacles_known, drive, model, seed)?;
+        let way = WaypointSource::new(&round.mission, params.protection, params.mixed, 0.0)?;
         Ok(Self {
-            team: None,
-            v_max: drive.limits.v_max() * params.driver.go_to.speed_fraction,
-            has_begun: false,
+            round,
             protection: params.protection,
             mixed: params.mixed,
-            entered: false,
-            mission,
-            obstacles_known: params.obstacles_known,
             way,
             fto: Fto::new(&params.fto)?,
             handed: VecDeque::new(),
-            driver: WaypointDriver::new(drive.driver(&params.driver), drive.limits, model.radius)?,
-            radius: model.radius,
             disc: None,
             ranges: Vec::new(),
-            reports: Vec::new(),
         })
     }
 
     /// Fits the zig-zag of the mixture to the first map; later changes of the map do not change it.
     pub fn enter(&mut self, map: &PlannerMap) {
-        if core::mem::replace(&mut self.entered, true) {
-            return;
-        }
         // Legs among obstacles have another protection than a narrow zig-zag.
-        let Some(mission) = fitted(&self.mission, map, false, self.radius) else {
-            return;
-        };
-        self.plan(mission, 0.0);
+        if let Some(mission) = self.round.enter(map, false) {
+            self.plan(mission, 0.0);
+        }
     }
 
     /// Makes it one of the robots with these indices, which have the same task, itself included.
     #[must_use]
     pub fn in_team(mut self, robots: &[u32]) -> Self {
-        self.team = self.mission.team(robots);
-        let mission = self.mission.clone().of_team(robots.len());
+        let mission = self.round.join(robots);
         self.plan(mission, 0.0);
         self
     }
@@ -169,26 +143,13 @@ impl PatrolFto {
     fn plan(&mut self, mission: Mission, start_s: f64) {
         let way = WaypointSource::new(&mission, self.protection, self.mixed, start_s);
         if let Ok(way) = way {
-            (self.way, self.mission) = (way, mission);
+            (self.way, self.round.mission) = (way, mission);
         }
-    }
-
-    /// Begins in the first tick, at its place of the contour.
-    fn begin(&mut self, own: &RobotView) {
-        if core::mem::replace(&mut self.has_begun, true) {
-            return;
-        }
-        let start_s = match &mut self.team {
-            Some(team) => team.begin(own.index),
-            None => self.mission.start_s(&own.pose),
-        };
-        let number = self.team.as_ref().map_or(0, |team| team.number(own.index));
-        self.plan(self.mission.clone().of_robot(number), start_s);
     }
 
     /// Returns the mission with all choices made.
     pub fn mission(&self) -> &Mission {
-        &self.mission
+        &self.round.mission
     }
 
     /// The zig-zag of the mixture.
@@ -198,7 +159,7 @@ impl PatrolFto {
 
     /// Returns the current waypoint.
     pub fn current(&self) -> Option<&Waypoint> {
-        self.driver.current()
+        self.round.driver.current()
     }
 
     /// Returns the fictive obstacle that it saw in the last tick.
@@ -208,28 +169,27 @@ impl PatrolFto {
 
     /// Returns the waypoints that ended in the last tick.
     pub fn reports(&self) -> &[WaypointReport] {
-        &self.reports
+        &self.round.reports
     }
 
     /// Returns the command for this tick; a stop if its pose is not known.
     pub fn steer(&mut self, map: &PlannerMap, view: &View<'_>) -> Steering {
         self.enter(map);
-        self.reports.clear();
+        self.round.observe(view);
         self.disc = None;
-        if let Some(team) = &mut self.team {
-            team.observe(&self.mission.awg, view);
-        }
         let Some(own) = view.own() else {
             return Steering::stop();
         };
-        self.begin(own);
-        let current = self.driver.current().copied();
+        if let Some((mission, start_s)) = self.round.begin(own) {
+            self.plan(mission, start_s);
+        }
+        let current = self.current().copied();
         // Called in every tick, so that its times do not depend on the robot's position.
         let disc = self.fto.at(
             view.time_s,
             &Carrier {
                 pose: own.pose,
-                radius: self.radius,
+                radius: self.round.radius,
                 reach: view.scan.map_or(0.0, |scan| scan.range_max),
                 goal: current.map(|waypoint| waypoint.point),
             },
@@ -244,49 +204,16 @@ impl PatrolFto {
         let known = map
             .space()
             .map(AsRef::as_ref)
-            .filter(|_| self.obstacles_known);
-        let situation = Situation {
-            pose: own.pose,
-            twist: own.twist,
-            scan,
-            known,
-            time_s: view.time_s,
-            dt: view.dt,
-        };
-        let (way, handed, radius) = (&mut self.way, &mut self.handed, self.radius);
-        let mut next = || {
+            .filter(|_| self.round.obstacles_known);
+        let (way, handed, radius) = (&mut self.way, &mut self.handed, self.round.radius);
+        let next = || {
             let (waypoint, protected) = way.next(|p| is_inside(known, p, radius));
             handed.push_back((waypoint.number, protected));
             Some(waypoint)
         };
-        let awg = &self.mission.awg;
-        let clock_s = self.team.as_ref().map(|team| team.clock_s(awg, own.index));
-        let mut due = |waypoint: &Waypoint| {
-            clock_s.map(|clock_s| view.time_s + (awg.due_s(waypoint.number) - clock_s))
-        };
-        let reports = &mut self.reports;
-        if let Some(team) = &self.team {
-            let is_covered = |point| view.is_covered(point, own, |robot| team.counts(robot));
-            self.driver.leave_out(is_covered, view.time_s, reports);
-        }
-        let driving = self
-            .driver
-            .drive_on_time(&mut next, &mut due, &situation, reports);
-        let mut command = driving.command;
-        if let (Some(team), Some(waypoint)) = (&mut self.team, self.driver.current()) {
-            team.take_note(awg, &self.reports);
-            if team.holds(awg, own, waypoint, self.v_max) {
-                command = Twist2::STOP;
-            }
-        }
+        let steering = self.round.drive(map, view, own, scan, next, |_, _| None);
         self.take_note();
-        Steering {
-            command,
-            target: None,
-            aim: self.driver.current().map(|waypoint| waypoint.point),
-            waypoint: driving.towards,
-            field: Vector2::zeros(),
-        }
+        steering
     }
 
     fn is_protected(&self, number: u64) -> bool {
@@ -296,7 +223,7 @@ impl PatrolFto {
     }
 
     fn take_note(&mut self) {
-        for report in &self.reports {
+        for report in &self.round.reports {
             let ended = report.waypoint.number;
             self.handed.retain(|&(number, _)| number > ended);
             if let WaypointSource::Mixed(laps) = &mut self.way

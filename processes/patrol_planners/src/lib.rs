@@ -11,6 +11,7 @@ mod fto;
 mod guard;
 pub mod process;
 mod pursue;
+mod round;
 
 use parameters::ParamsError;
 use patrol::mission::MissionError;

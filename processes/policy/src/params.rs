@@ -5,34 +5,21 @@ use observation::action::{ACTION_LENGTH, ActionKind};
 use observation::parts::Parts;
 use parameters::{Parameters, ParamsError, at_least};
 use runtime::files;
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
-/// Parameters of a [`Policy`](crate::Policy).
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct PolicyParams {
-    /// ONNX file of the policy: its path, relative to the scenario's folder. A log has the contents of the file instead,
-    /// as a `data:` URL, so that it can be executed again without the file.
-    pub model: String,
-    /// Contents of the observation: `state`, `scan`, `belief`, `path`, or several of them as in `state+path`.
-    pub observation: String,
-    /// Meaning of the network's output: `twist` (forward speed and turning rate) or, for evaders, `tune` (parameters of an
-    /// `evader_potential` that steers in every tick) or `residual` (what is added to its action).
-    pub action: String,
-    /// Number of ticks from one action to the next; it holds in between.
-    #[schemars(transform = at_least(1))]
-    pub ticks_per_action: u32,
-}
-
-impl Default for PolicyParams {
-    fn default() -> Self {
-        Self {
-            model: String::new(),
-            observation: "state".to_owned(),
-            action: "twist".to_owned(),
-            ticks_per_action: 1,
-        }
+parameters::table! {
+    /// Parameters of a [`Policy`](crate::Policy).
+    #[derive(Eq)]
+    pub struct PolicyParams {
+        /// ONNX file of the policy: its path, relative to the scenario's folder. A log has the contents of the file instead,
+        /// as a `data:` URL, so that it can be executed again without the file.
+        pub model: String,
+        /// Contents of the observation: `state`, `scan`, `belief`, `path`, or several of them as in `state+path`.
+        pub observation: String = "state".to_owned(),
+        /// Meaning of the network's output: `twist` (forward speed and turning rate) or, for evaders, `tune` (parameters of an
+        /// `evader_potential` that steers in every tick) or `residual` (what is added to its action).
+        pub action: String = "twist".to_owned(),
+        /// Number of ticks from one action to the next; it holds in between.
+        pub ticks_per_action: u32 [at_least(1)] = 1,
     }
 }
 

@@ -2,31 +2,18 @@
 
 use navigation::dominance::DominanceParams;
 use parameters::{Parameters, at_least};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
-/// Parameters of a [`Referee`](crate::Referee).
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct RefereeParams {
-    /// Time between two verdicts, rounded to whole ticks; 0 for a verdict in every tick.
-    #[schemars(transform = at_least(0).unit("s"))]
-    pub period_s: f64,
-    /// Time between two pictures of the dominance regions, rounded to whole ticks; 0 for no
-    /// pictures.
-    #[schemars(transform = at_least(0).unit("s"))]
-    pub cells_period_s: f64,
-    /// Resolution of the computation.
-    pub dominance: DominanceParams,
-}
-
-impl Default for RefereeParams {
-    fn default() -> Self {
-        Self {
-            period_s: 0.25,
-            cells_period_s: 1.0,
-            dominance: DominanceParams::default(),
-        }
+parameters::table! {
+    /// Parameters of a [`Referee`](crate::Referee).
+    #[derive(Copy)]
+    pub struct RefereeParams {
+        /// Time between two verdicts, rounded to whole ticks; 0 for a verdict in every tick.
+        pub period_s: f64 [at_least(0).unit("s")] = 0.25,
+        /// Time between two pictures of the dominance regions, rounded to whole ticks; 0 for no
+        /// pictures.
+        pub cells_period_s: f64 [at_least(0).unit("s")] = 1.0,
+        /// Resolution of the computation.
+        pub dominance: DominanceParams,
     }
 }
 

@@ -28,11 +28,11 @@ const MAX_SHOWN: usize = 60;
 
 /// Returns the exception for an argument, with its value and what is expected.
 pub fn refused(name: &str, value: &(impl Display + ?Sized), expected: &str) -> PyErr {
-    invalid(&ParamsError::new(name, value, expected))
+    invalid(ParamsError::new(name, value, expected))
 }
 
 /// Returns the exception for invalid input.
-pub fn invalid(error: &impl Display) -> PyErr {
+pub fn invalid(error: impl Display) -> PyErr {
     InvalidInput::new_err(error.to_string())
 }
 
@@ -71,7 +71,7 @@ pub fn scalar<'py, T>(value: &Bound<'py, PyAny>) -> PyResult<T>
 where
     T: ScalarValue + FromPyObjectOwned<'py>,
 {
-    let fault = || invalid(&format!("{}: expected {}", shown(value), T::EXPECTED));
+    let fault = || invalid(format!("{}: expected {}", shown(value), T::EXPECTED));
     value
         .extract()
         .map_err(|error| unless_interrupted(value, error, fault))
@@ -343,7 +343,7 @@ pub fn params<P: Parameters + Default>(value: Option<&Bound<'_, PyAny>>) -> PyRe
         let fault = error.split(" at line ").next().unwrap_or_default();
         InvalidInput::new_err(format!("params: {fault}"))
     })?;
-    check(&params).map_err(|error| invalid(&error))?;
+    check(&params).map_err(invalid)?;
     Ok(params)
 }
 
@@ -420,7 +420,7 @@ pub fn vector_per_point<'py>(
 /// # Errors
 /// The exception names it.
 pub fn not_negative(name: &str, value: f64) -> PyResult<()> {
-    parameters::not_negative(name, value).map_err(|error| invalid(&error))
+    parameters::not_negative(name, value).map_err(invalid)
 }
 
 /// Checks a number that must be finite.
@@ -440,5 +440,5 @@ pub fn finite(name: &str, value: f64) -> PyResult<()> {
 /// # Errors
 /// The exception names it.
 pub fn positive(name: &str, value: f64) -> PyResult<()> {
-    parameters::positive(name, value).map_err(|error| invalid(&error))
+    parameters::positive(name, value).map_err(invalid)
 }

@@ -93,9 +93,9 @@ impl Plan {
             tolerance,
             ..FollowParams::default()
         };
-        parameters::check(&follow).map_err(|error| invalid(&error))?;
+        parameters::check(&follow).map_err(invalid)?;
         let key = arguments::key(key, KeyKind::ChebP(Emission::Arcsine), seed)?;
-        let source = key.source().map_err(|error| invalid(&error))?;
+        let source = key.source().map_err(invalid)?;
         let Some(space) = map.map.space() else {
             return Err(refused("map", "grids alone", "a map with its exact pieces"));
         };

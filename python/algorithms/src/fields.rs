@@ -202,7 +202,7 @@ pub fn linearise(
     #[pyo3(from_py_with = scalar)] v_reverse_max: f64,
     params: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<(f64, f64)> {
-    let limits = Limits::new(v_max, v_reverse_max, omega_max).map_err(|error| invalid(&error))?;
+    let limits = Limits::new(v_max, v_reverse_max, omega_max).map_err(invalid)?;
     let [x, y] = arguments::row("velocity", velocity, "two finite numbers (m/s)")?;
     arguments::finite("heading", heading)?;
     let params: FeedbackParams = arguments::params(params)?;

@@ -50,7 +50,7 @@ pub struct TangentBug {
 impl TangentBug {
     #[new]
     fn new(#[pyo3(from_py_with = scalar)] radius: f64) -> PyResult<Self> {
-        let bug = tangent_bug::TangentBug::new(radius).map_err(|error| invalid(&error))?;
+        let bug = tangent_bug::TangentBug::new(radius).map_err(invalid)?;
         Ok(Self {
             bug: Mutex::new(bug),
         })
@@ -285,8 +285,7 @@ impl PathTracker {
         #[pyo3(from_py_with = scalar)] omega_max: f64,
         #[pyo3(from_py_with = scalar)] v_reverse_max: f64,
     ) -> PyResult<(f64, f64)> {
-        let limits =
-            Limits::new(v_max, v_reverse_max, omega_max).map_err(|error| invalid(&error))?;
+        let limits = Limits::new(v_max, v_reverse_max, omega_max).map_err(invalid)?;
         let pose = arguments::pose("pose", pose)?;
         let tracking = self
             .tracker

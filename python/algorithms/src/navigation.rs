@@ -90,7 +90,7 @@ pub fn shortest_paths<'py>(
             _ => Ok(Vec::new()),
         }
     });
-    let paths = paths?.map_err(|error| invalid(&error))?;
+    let paths = paths?.map_err(invalid)?;
     paths
         .iter()
         .map(|path| arguments::array_of_points(py, &corners(path)))

@@ -91,7 +91,7 @@ impl ZigZag {
         } else {
             Contour::open(&corners)
         };
-        let contour = contour.map_err(|error| invalid(&error))?;
+        let contour = contour.map_err(invalid)?;
         let preset: Preset = serde_json::from_value(Json::from(preset)).map_err(|_| {
             refused(
                 "preset",
@@ -104,10 +104,9 @@ impl ZigZag {
             alpha,
             mode: preset.mode(),
         };
-        let awg =
-            Awg::new(&contour, &DangerZones::default(), params).map_err(|error| invalid(&error))?;
+        let awg = Awg::new(&contour, &DangerZones::default(), params).map_err(invalid)?;
         let key = arguments::key(key, KeyKind::CatP, seed)?;
-        let source = key.source().map_err(|error| invalid(&error))?;
+        let source = key.source().map_err(invalid)?;
         Ok(Self {
             forecast: Arc::new(Forecast::new(awg, source)),
             key,
@@ -142,7 +141,7 @@ impl ZigZag {
     ) -> PyResult<Lap<'py>> {
         let forecast = Arc::clone(&self.forecast);
         let waypoints = compute(py, move || forecast.lap(number))?;
-        let waypoints = waypoints.map_err(|error| invalid(&error))?;
+        let waypoints = waypoints.map_err(invalid)?;
         let awg = self.forecast.awg();
         let due = waypoints.iter().map(|w| awg.due_s(w.number)).collect();
         let inserted = waypoints
@@ -189,7 +188,7 @@ impl ZigZag {
             let at = |&time: &f64| Ok(forecast.at_time(time)?.point.coords);
             times.iter().map(at).collect()
         })?;
-        let points = points.map_err(|error| invalid(&error))?;
+        let points = points.map_err(invalid)?;
         arguments::vector_per_point(py, is_single, &points)
     }
 

@@ -116,7 +116,7 @@ pub fn plan(
     params: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Tree> {
     let params: RrtStarParams = arguments::params(params)?;
-    let limits = Limits::new(v_max, 0.0, omega_max).map_err(|error| invalid(&error))?;
+    let limits = Limits::new(v_max, 0.0, omega_max).map_err(invalid)?;
     arguments::positive("radius", radius)?;
     arguments::not_negative("pursuer_speed", pursuer_speed)?;
     if iterations > MAX_ITERATIONS {

@@ -87,7 +87,7 @@ pub fn go_to(
     #[pyo3(from_py_with = scalar)] v_reverse_max: f64,
     params: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<(f64, f64)> {
-    let limits = Limits::new(v_max, v_reverse_max, omega_max).map_err(|error| invalid(&error))?;
+    let limits = Limits::new(v_max, v_reverse_max, omega_max).map_err(invalid)?;
     positive("dt", dt)?;
     let pose = arguments::pose("pose", pose)?;
     let target = arguments::target("target", target)?;

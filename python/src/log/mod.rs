@@ -135,9 +135,7 @@ impl LogFile {
 
     /// Writes the page of the run, as `protean report` does.
     fn report(&self, py: Python<'_>, out: PathBuf, force: bool) -> PyResult<()> {
-        let out = OutputFormat::PAGE
-            .check(out)
-            .map_err(|error| invalid(&error))?;
+        let out = OutputFormat::PAGE.check(out).map_err(invalid)?;
         let log: &Path = &self.path;
         read(py, |watch| page::report(&[log], &out, force, watch)).map(drop)
     }
@@ -167,9 +165,7 @@ impl LogFile {
     /// Draws the run at a time (s), as `protean picture` does.
     #[pyo3(signature = (out, at, force))]
     fn picture(&self, py: Python<'_>, out: PathBuf, at: Option<f64>, force: bool) -> PyResult<()> {
-        let out = OutputFormat::PICTURE
-            .check(out)
-            .map_err(|error| invalid(&error))?;
+        let out = OutputFormat::PICTURE.check(out).map_err(invalid)?;
         read(py, |watch| {
             picture::save(&self.path, at, &out, force, watch)
         })

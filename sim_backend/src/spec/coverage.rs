@@ -2,44 +2,27 @@
 
 use geometry::extent::positive;
 use parameters::Parameters;
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
-/// Accounting of the free area that robots have visited, and of the time since then.
-///
-/// ```toml
-/// [rules.coverage]
-/// radius = 0.2
-/// teams = ["neutral"]
-/// ```
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct CoverageSpec {
-    /// Radius of the disc about a robot's centre that it visits, of its tool or its view (walls do
-    /// not limit it). Each robot's own radius if absent.
-    #[schemars(transform = positive("m"))]
-    pub radius: Option<f64>,
-    /// Side of the accounted cells, at most 16 million of them; that of the map's grid if absent.
-    #[schemars(transform = positive("m"))]
-    pub resolution: Option<f64>,
-    /// Names of the robots that count, in addition to those of `teams`.
-    pub robots: Vec<String>,
-    /// Names of the teams whose robots count. All robots count if `robots` and `teams` are both empty.
-    pub teams: Vec<String>,
-    /// Time between two reports.
-    #[schemars(transform = positive("s"))]
-    pub period: f64,
-}
-
-impl Default for CoverageSpec {
-    fn default() -> Self {
-        Self {
-            radius: None,
-            resolution: None,
-            robots: Vec::new(),
-            teams: Vec::new(),
-            period: 1.0,
-        }
+parameters::table! {
+    /// Accounting of the free area that robots have visited, and of the time since then.
+    ///
+    /// ```toml
+    /// [rules.coverage]
+    /// radius = 0.2
+    /// teams = ["neutral"]
+    /// ```
+    pub struct CoverageSpec {
+        /// Radius of the disc about a robot's centre that it visits, of its tool or its view (walls do
+        /// not limit it). Each robot's own radius if absent.
+        pub radius: Option<f64> [positive("m")],
+        /// Side of the accounted cells, at most 16 million of them; that of the map's grid if absent.
+        pub resolution: Option<f64> [positive("m")],
+        /// Names of the robots that count, in addition to those of `teams`.
+        pub robots: Vec<String>,
+        /// Names of the teams whose robots count. All robots count if `robots` and `teams` are both empty.
+        pub teams: Vec<String>,
+        /// Time between two reports.
+        pub period: f64 [positive("s")] = 1.0,
     }
 }
 

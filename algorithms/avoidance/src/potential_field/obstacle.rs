@@ -2,8 +2,6 @@
 
 use nalgebra::{Point2, Vector2};
 use parameters::{Fidelity, Parameters, at_least};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
 use super::capped;
 use planner_view::map::{PlannerMap, cell_of};
@@ -14,27 +12,18 @@ const GAIN: f64 = 4.4;
 /// Maximum magnitude of the push (m/s).
 const MAX_SPEED: f64 = 6.0;
 
-/// Parameters of the obstacle field.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct ObstacleParams {
-    /// Variant of the gradient. [`Fidelity::Ours`]: the gradient of the plain blur, interpolated
-    /// between cells; continuous, bounded, and still pointing outwards inside an obstacle.
-    /// [`Fidelity::Published`]: the gradient of the blur that is set to 0 in obstacles, constant within
-    /// a cell; it jumps from cell to cell, and near a wall grows with the map's resolution.
-    pub fidelity: Fidelity,
-    /// Clearance beyond the robot's radius below which the part of the summed field that points at the obstacle
-    /// is removed; 0 to disable (the paper).
-    #[schemars(transform = at_least(0).unit("m"))]
-    pub guard: f64,
-}
-
-impl Default for ObstacleParams {
-    fn default() -> Self {
-        Self {
-            fidelity: Fidelity::Ours,
-            guard: 0.1,
-        }
+parameters::table! {
+    /// Parameters of the obstacle field.
+    #[derive(Copy)]
+    pub struct ObstacleParams {
+        /// Variant of the gradient. [`Fidelity::Ours`]: the gradient of the plain blur, interpolated
+        /// between cells; continuous, bounded, and still pointing outwards inside an obstacle.
+        /// [`Fidelity::Published`]: the gradient of the blur that is set to 0 in obstacles, constant within
+        /// a cell; it jumps from cell to cell, and near a wall grows with the map's resolution.
+        pub fidelity: Fidelity = Fidelity::Ours,
+        /// Clearance beyond the robot's radius below which the part of the summed field that points at the obstacle
+        /// is removed; 0 to disable (the paper).
+        pub guard: f64 [at_least(0).unit("m")] = 0.1,
     }
 }
 

@@ -5,25 +5,17 @@ use core::f64::consts::TAU;
 use geometry::math;
 use nalgebra::Vector2;
 use parameters::{Parameters, at_least};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
 /// Period of the rotation (s).
 const PERIOD: f64 = 7.0;
 
-/// Parameters of the time-variant perturbation (chasing-game paper, §I-C: fields are time-variant
-/// to leave local minima; the paper does not give the method).
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct PerturbationParams {
-    /// Magnitude of the rotating push; 0 for none.
-    #[schemars(transform = at_least(0).unit("m/s"))]
-    pub amplitude: f64,
-}
-
-impl Default for PerturbationParams {
-    fn default() -> Self {
-        Self { amplitude: 0.1 }
+parameters::table! {
+    /// Parameters of the time-variant perturbation (chasing-game paper, §I-C: fields are time-variant
+    /// to leave local minima; the paper does not give the method).
+    #[derive(Copy)]
+    pub struct PerturbationParams {
+        /// Magnitude of the rotating push; 0 for none.
+        pub amplitude: f64 [at_least(0).unit("m/s")] = 0.1,
     }
 }
 

@@ -3,8 +3,6 @@
 use geometry::math;
 use nalgebra::{Point2, Vector2};
 use parameters::{Fidelity, Parameters, above};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
 use navigation::bearing::Bearings;
 
@@ -24,43 +22,31 @@ pub struct Repulsor {
     pub weight: f64,
 }
 
-/// Decrease of a repulsion with distance d.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Falloff {
-    /// (`reach`/d)², at most 8: strong at short distances, a quarter at twice the reach.
-    #[default]
-    InverseSquare,
-    /// 1 up to `reach`, then 1/(d − `reach` + 1) (the paper's): four pursuers anywhere within reach always
-    /// outweigh an exit, even a close one.
-    Plateau,
+parameters::choice! {
+    /// Decrease of a repulsion with distance d.
+    pub enum Falloff {
+        /// (`reach`/d)², at most 8: strong at short distances, a quarter at twice the reach.
+        #[default]
+        InverseSquare,
+        /// 1 up to `reach`, then 1/(d − `reach` + 1) (the paper's): four pursuers anywhere within reach always
+        /// outweigh an exit, even a close one.
+        Plateau,
+    }
 }
 
-/// Parameters of the repulsion.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct RepulsionParams {
-    /// Decrease with distance.
-    pub falloff: Falloff,
-    /// Reference distance of the decrease.
-    #[schemars(transform = above(0).unit("m"))]
-    pub reach: f64,
-    /// Magnitude that the sum approaches but never exceeds.
-    #[schemars(transform = above(0).unit("m/s"))]
-    pub speed: f64,
-    /// Variant of the sum. [`Fidelity::Published`] multiplies it again by the mean weight of the
-    /// repulsors: weights then count twice, and adding a weak repulsor weakens the others.
-    pub fidelity: Fidelity,
-}
-
-impl Default for RepulsionParams {
-    fn default() -> Self {
-        Self {
-            falloff: Falloff::InverseSquare,
-            reach: 1.0,
-            speed: 2.0,
-            fidelity: Fidelity::Ours,
-        }
+parameters::table! {
+    /// Parameters of the repulsion.
+    #[derive(Copy)]
+    pub struct RepulsionParams {
+        /// Decrease with distance.
+        pub falloff: Falloff = Falloff::InverseSquare,
+        /// Reference distance of the decrease.
+        pub reach: f64 [above(0).unit("m")] = 1.0,
+        /// Magnitude that the sum approaches but never exceeds.
+        pub speed: f64 [above(0).unit("m/s")] = 2.0,
+        /// Variant of the sum. [`Fidelity::Published`] multiplies it again by the mean weight of the
+        /// repulsors: weights then count twice, and adding a weak repulsor weakens the others.
+        pub fidelity: Fidelity = Fidelity::Ours,
     }
 }
 

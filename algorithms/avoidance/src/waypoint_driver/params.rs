@@ -1,8 +1,6 @@
 //! Parameters of the waypoint driver.
 
 use parameters::{Parameters, above};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
 use control::go_to::GoToParams;
 use planner_view::limits::Limits;
@@ -10,45 +8,28 @@ use planner_view::limits::Limits;
 /// Minimum time limit of a waypoint (s).
 pub const MIN_TIME_S: f64 = 1.0;
 
-/// Parameters of a [`WaypointDriver`](super::WaypointDriver).
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct DriverParams {
-    /// Driving to points; `go_to.arrived` is the tolerance of a waypoint.
-    pub go_to: GoToParams,
-    /// Time limit of a waypoint, as a multiple of the time without obstacles. The cat-map patrol paper
-    /// (§3) suggests 2.
-    #[schemars(transform = above(0))]
-    pub time_limit_factor: f64,
-    /// Time from a scan to the moment when its command can stop the robot. With a scan, the robot limits
-    /// its speed so that it stays clear of obstacles for this time.
-    #[schemars(transform = above(0).unit("s"))]
-    pub reaction_s: f64,
-    /// Deceleration of the drive; absent: the robot stops at once, unless its model gives a value
-    /// ([`Self::for_drive`]). With a scan, the robot limits its speed so that it can brake before the
-    /// obstacles that it sees.
-    #[schemars(transform = above(0).unit("m/s²"))]
-    pub braking: Option<f64>,
-    /// Angular acceleration of the drive; absent: the robot turns at once, unless its model gives a
-    /// value. The robot limits its turning rate so that it can stop turning in time.
-    #[schemars(transform = above(0).unit("rad/s²"))]
-    pub angular_acceleration: Option<f64>,
-    /// Time within which the robot must move by its radius; otherwise it is stuck, and the waypoint is given
-    /// up. With a scan it plans a path among the obstacles that it has seen after half of this time.
-    #[schemars(transform = above(0).unit("s"))]
-    pub stuck_s: f64,
-}
-
-impl Default for DriverParams {
-    fn default() -> Self {
-        Self {
-            go_to: GoToParams::default(),
-            time_limit_factor: 2.0,
-            reaction_s: 0.15,
-            braking: None,
-            angular_acceleration: None,
-            stuck_s: 15.0,
-        }
+parameters::table! {
+    /// Parameters of a [`WaypointDriver`](super::WaypointDriver).
+    #[derive(Copy)]
+    pub struct DriverParams {
+        /// Driving to points; `go_to.arrived` is the tolerance of a waypoint.
+        pub go_to: GoToParams,
+        /// Time limit of a waypoint, as a multiple of the time without obstacles. The cat-map patrol paper
+        /// (§3) suggests 2.
+        pub time_limit_factor: f64 [above(0)] = 2.0,
+        /// Time from a scan to the moment when its command can stop the robot. With a scan, the robot limits
+        /// its speed so that it stays clear of obstacles for this time.
+        pub reaction_s: f64 [above(0).unit("s")] = 0.15,
+        /// Deceleration of the drive; absent: the robot stops at once, unless its model gives a value
+        /// ([`Self::for_drive`]). With a scan, the robot limits its speed so that it can brake before the
+        /// obstacles that it sees.
+        pub braking: Option<f64> [above(0).unit("m/s²")],
+        /// Angular acceleration of the drive; absent: the robot turns at once, unless its model gives a
+        /// value. The robot limits its turning rate so that it can stop turning in time.
+        pub angular_acceleration: Option<f64> [above(0).unit("rad/s²")],
+        /// Time within which the robot must move by its radius; otherwise it is stuck, and the waypoint is given
+        /// up. With a scan it plans a path among the obstacles that it has seen after half of this time.
+        pub stuck_s: f64 [above(0).unit("s")] = 15.0,
     }
 }
 

@@ -14,15 +14,15 @@ use crate::shape::Aabb;
 /// Maximum number of runs of a map; a scenario in a log has room for this many.
 pub const MAX_RUNS: usize = 1_000_000;
 
-/// Meaning of the unknown cells of an occupancy map.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum UnknownCells {
-    /// Obstacles: robots do not drive into unexplored cells.
-    #[default]
-    Occupied,
-    /// Free space.
-    Free,
+parameters::choice! {
+    /// Meaning of the unknown cells of an occupancy map.
+    pub enum UnknownCells {
+        /// Obstacles: robots do not drive into unexplored cells.
+        #[default]
+        Occupied,
+        /// Free space.
+        Free,
+    }
 }
 
 /// Occupancy of a cell of an occupancy map.

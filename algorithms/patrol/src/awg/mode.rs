@@ -2,19 +2,17 @@
 //! of the square of the generator's points.
 
 use nalgebra::Vector2;
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
-/// Conversion of a segment's length, as a multiple of the patrol's speed, to a number of waypoints
-/// (paper, Eq. 10).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Rounding {
-    /// Downwards, as printed.
-    Floor,
-    /// To the nearest, so that a lap of `t_max` seconds has close to `t_max` waypoints.
-    #[default]
-    Nearest,
+parameters::choice! {
+    /// Conversion of a segment's length, as a multiple of the patrol's speed, to a number of waypoints
+    /// (paper, Eq. 10).
+    pub enum Rounding {
+        /// Downwards, as printed.
+        Floor,
+        /// To the nearest, so that a lap of `t_max` seconds has close to `t_max` waypoints.
+        #[default]
+        Nearest,
+    }
 }
 
 impl Rounding {
@@ -26,16 +24,16 @@ impl Rounding {
     }
 }
 
-/// Orientation of the square on a segment (paper, Eq. 3).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Frame {
-    /// Ahead of the robot, on every segment alike.
-    #[default]
-    Atan2,
-    /// By the segment's slope, as printed: behind the robot on segments towards smaller x, so that
-    /// the same contour rotated by 180° gives another zig-zag.
-    Atan,
+parameters::choice! {
+    /// Orientation of the square on a segment (paper, Eq. 3).
+    pub enum Frame {
+        /// Ahead of the robot, on every segment alike.
+        #[default]
+        Atan2,
+        /// By the segment's slope, as printed: behind the robot on segments towards smaller x, so that
+        /// the same contour rotated by 180° gives another zig-zag.
+        Atan,
+    }
 }
 
 impl Frame {
@@ -56,17 +54,17 @@ pub struct Mode {
     pub frame: Frame,
 }
 
-/// Named choices.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Preset {
-    /// The formulas as the paper prints them: floor, atan.
-    Printed,
-    /// The best fit to the paper's figures: nearest, atan.
-    PaperFit,
-    /// The recommended choices: nearest, atan2.
-    #[default]
-    Default,
+parameters::choice! {
+    /// Named choices.
+    pub enum Preset {
+        /// The formulas as the paper prints them: floor, atan.
+        Printed,
+        /// The best fit to the paper's figures: nearest, atan.
+        PaperFit,
+        /// The recommended choices: nearest, atan2.
+        #[default]
+        Default,
+    }
 }
 
 impl Preset {

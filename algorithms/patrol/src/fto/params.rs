@@ -2,36 +2,20 @@
 
 use chaotic_maps::Key;
 use parameters::{Parameters, ParamsError, above, between, each, require};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
-/// Parameters of [`Fto`](super::Fto). The defaults are the paper's where it gives values.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct FtoParams {
-    /// Key of a generator; the paper's logistic map if absent.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub key: Option<Key>,
-    /// Minimum and maximum duration of an obstacle.
-    #[schemars(transform = each(above(0).unit("s")))]
-    pub active_s: [f64; 2],
-    /// Radius of an obstacle.
-    #[schemars(transform = above(0).unit("m"))]
-    pub radius: f64,
-    /// Minimum distance at which an obstacle appears, as a share of the distance from the robot's
-    /// edge to the end of its sensor's range.
-    #[schemars(transform = between(0, 1))]
-    pub nearest: f64,
-}
-
-impl Default for FtoParams {
-    fn default() -> Self {
-        Self {
-            key: None,
-            active_s: [0.3, 2.5],
-            radius: 0.15,
-            nearest: 0.5,
-        }
+parameters::table! {
+    /// Parameters of [`Fto`](super::Fto). The defaults are the paper's where it gives values.
+    pub struct FtoParams {
+        /// Key of a generator; the paper's logistic map if absent.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        pub key: Option<Key>,
+        /// Minimum and maximum duration of an obstacle.
+        pub active_s: [f64; 2] [each(above(0).unit("s"))] = [0.3, 2.5],
+        /// Radius of an obstacle.
+        pub radius: f64 [above(0).unit("m")] = 0.15,
+        /// Minimum distance at which an obstacle appears, as a share of the distance from the robot's
+        /// edge to the end of its sensor's range.
+        pub nearest: f64 [between(0, 1)] = 0.5,
     }
 }
 

@@ -3,15 +3,15 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Available robots.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Preset {
-    /// ROBOTIS `TurtleBot3` Burger.
-    #[default]
-    Turtlebot3Burger,
-    /// LEGO Mindstorms NXT two-wheeler.
-    LegoNxt,
+parameters::choice! {
+    /// Available robots.
+    pub enum Preset {
+        /// ROBOTIS `TurtleBot3` Burger.
+        #[default]
+        Turtlebot3Burger,
+        /// LEGO Mindstorms NXT two-wheeler.
+        LegoNxt,
+    }
 }
 
 impl Preset {

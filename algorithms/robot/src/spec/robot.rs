@@ -167,54 +167,45 @@ impl Parameters for RobotSpec {
     }
 }
 
-/// Limits that differ from the preset's; absent values are the preset's.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct LimitsSpec {
-    /// Maximum forward speed.
-    #[schemars(transform = positive("m/s"))]
-    pub v_max: Option<f64>,
-    /// Maximum backward speed.
-    #[schemars(transform = not_negative("m/s"))]
-    pub v_reverse_max: Option<f64>,
-    /// Maximum turning rate either way.
-    #[schemars(transform = not_negative("rad/s"))]
-    pub omega_max: Option<f64>,
-    /// Maximum change of forward speed; unlimited if absent here and in the preset.
-    #[schemars(transform = positive("m/s²"))]
-    pub acceleration: Option<f64>,
-    /// Maximum change of turning rate; unlimited if absent here and in the preset.
-    #[schemars(transform = positive("rad/s²"))]
-    pub angular_acceleration: Option<f64>,
-    /// Maximum speed of a wheel's rim, |v| + |ω|·separation/2; unlimited if absent here and in the
-    /// preset.
-    #[schemars(transform = positive("m/s"))]
-    pub wheel_speed_max: Option<f64>,
+parameters::table! {
+    /// Limits that differ from the preset's; absent values are the preset's.
+    #[derive(Copy)]
+    pub struct LimitsSpec {
+        /// Maximum forward speed.
+        pub v_max: Option<f64> [positive("m/s")],
+        /// Maximum backward speed.
+        pub v_reverse_max: Option<f64> [not_negative("m/s")],
+        /// Maximum turning rate either way.
+        pub omega_max: Option<f64> [not_negative("rad/s")],
+        /// Maximum change of forward speed; unlimited if absent here and in the preset.
+        pub acceleration: Option<f64> [positive("m/s²")],
+        /// Maximum change of turning rate; unlimited if absent here and in the preset.
+        pub angular_acceleration: Option<f64> [positive("rad/s²")],
+        /// Maximum speed of a wheel's rim, |v| + |ω|·separation/2; unlimited if absent here and in the
+        /// preset.
+        pub wheel_speed_max: Option<f64> [positive("m/s")],
+    }
 }
 
-/// Imperfections of the drive.
-///
-/// Executed speed = commanded · (1 − slip) · (1 + noise·N), with N standard normal, clipped at ±3
-/// and drawn once per step from the robot's own stream. The result is clamped to the robot's
-/// limits, so that noise never makes a robot faster than its limits.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct ActuatorSpec {
-    /// Share of the forward speed lost to slipping wheels.
-    #[schemars(transform = at_least(0).below(1))]
-    pub slip: f64,
-    /// Share of the turning rate lost to slipping wheels.
-    #[schemars(transform = at_least(0).below(1))]
-    pub angular_slip: f64,
-    /// Standard deviation of the forward speed, as a share of it.
-    #[schemars(transform = at_least(0).at_most(MAX_COORDINATE))]
-    pub noise: f64,
-    /// Standard deviation of the turning rate, as a share of it.
-    #[schemars(transform = at_least(0).at_most(MAX_COORDINATE))]
-    pub angular_noise: f64,
-    /// Standard deviation of the turning rate per forward speed (a robot commanded straight veers).
-    #[schemars(transform = not_negative("rad/m"))]
-    pub veer: f64,
+parameters::table! {
+    /// Imperfections of the drive.
+    ///
+    /// Executed speed = commanded · (1 − slip) · (1 + noise·N), with N standard normal, clipped at ±3
+    /// and drawn once per step from the robot's own stream. The result is clamped to the robot's
+    /// limits, so that noise never makes a robot faster than its limits.
+    #[derive(Copy)]
+    pub struct ActuatorSpec {
+        /// Share of the forward speed lost to slipping wheels.
+        pub slip: f64 [at_least(0).below(1)],
+        /// Share of the turning rate lost to slipping wheels.
+        pub angular_slip: f64 [at_least(0).below(1)],
+        /// Standard deviation of the forward speed, as a share of it.
+        pub noise: f64 [at_least(0).at_most(MAX_COORDINATE)],
+        /// Standard deviation of the turning rate, as a share of it.
+        pub angular_noise: f64 [at_least(0).at_most(MAX_COORDINATE)],
+        /// Standard deviation of the turning rate per forward speed (a robot commanded straight veers).
+        pub veer: f64 [not_negative("rad/m")],
+    }
 }
 
 impl ActuatorSpec {

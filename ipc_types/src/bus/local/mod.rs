@@ -80,10 +80,4 @@ impl LocalTopics {
     }
 }
 
-impl core::fmt::Debug for LocalTopics {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.debug_struct("Hub")
-            .field("topics", &self.channels.borrow().len())
-            .finish_non_exhaustive()
-    }
-}
+crate::transport::debug_with! { [] LocalTopics, own => own.channels.borrow().len() }

@@ -113,14 +113,7 @@ impl<S: Service> Client<S> {
     }
 }
 
-impl<S: Service> core::fmt::Debug for Client<S> {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.debug_struct("Client")
-            .field("service", &S::NAME)
-            .field("source", &self.source)
-            .finish_non_exhaustive()
-    }
-}
+crate::transport::debug_with! { [S: Service] Client<S>, own => (S::NAME, own.source) }
 
 /// A request that waits for its answer; dropping it cancels the request.
 pub struct PendingResponse<S: Service> {
@@ -156,10 +149,4 @@ impl<S: Service> PendingResponse<S> {
     }
 }
 
-impl<S: Service> core::fmt::Debug for PendingResponse<S> {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.debug_struct("PendingResponse")
-            .field("service", &S::NAME)
-            .finish_non_exhaustive()
-    }
-}
+crate::transport::debug_with! { [S: Service] PendingResponse<S>, _ => S::NAME }

@@ -59,13 +59,7 @@ impl<S: Service> Server<S> {
     }
 }
 
-impl<S: Service> core::fmt::Debug for Server<S> {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.debug_struct("Server")
-            .field("service", &S::NAME)
-            .finish_non_exhaustive()
-    }
-}
+crate::transport::debug_with! { [S: Service] Server<S>, _ => S::NAME }
 
 /// A request in progress; dropping it ends the exchange.
 pub struct ActiveRequest<S: Service> {
@@ -114,13 +108,7 @@ impl<S: Service> ActiveRequest<S> {
     }
 }
 
-impl<S: Service> core::fmt::Debug for ActiveRequest<S> {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.debug_struct("ActiveRequest")
-            .field("service", &S::NAME)
-            .finish_non_exhaustive()
-    }
-}
+crate::transport::debug_with! { [S: Service] ActiveRequest<S>, _ => S::NAME }
 
 /// Server side on a bus in memory: answers until it is dropped.
 pub struct Attendant<S: Service> {
@@ -139,10 +127,4 @@ impl<S: Service> Drop for Attendant<S> {
     }
 }
 
-impl<S: Service> core::fmt::Debug for Attendant<S> {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.debug_struct("Attendant")
-            .field("service", &S::NAME)
-            .finish_non_exhaustive()
-    }
-}
+crate::transport::debug_with! { [S: Service] Attendant<S>, _ => S::NAME }

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::columns::{Part, ResultColumn, ResultTable};
+use crate::columns::{Part, ResultColumn, ResultTable, columns};
 use crate::kind::Kind;
 use crate::row::{RESULTS, Record};
 use plan::{Answer, Outcome};
@@ -98,49 +98,21 @@ impl Part<Self> for PlanRow {
     const TABLE: &'static str = RESULTS;
     const REFERENCE: [&'static str; 2] = ["Plans", "one row per plan"];
 
-    const COLUMNS: &'static [ResultColumn<Self>] = &[
-        ResultColumn::text(
-            "outcome",
-            "Status of the plan, as in the [answers](plans.md) of `protean plan`; `failed` without an answer.",
-            |r| r.outcome.name(),
-        ),
-        ResultColumn::bool(
-            "honest",
-            "True if the plan passes the trajectory check; empty without a plan.",
-            |r| r.honest,
-        ),
-        ResultColumn::int("obstacles", "Obstacles of the problem.", |r| {
-            Some(r.obstacles.into())
-        }),
-        ResultColumn::float("t_s", "Duration of the plan (s).", |r| r.t_s),
-        ResultColumn::float(
-            "lower_bound_s",
-            "Lower bound of the duration of any plan (s).",
-            |r| r.lower_bound_s,
-        ),
-        ResultColumn::float(
-            "gap",
-            "Duration above the lower bound, relative to it.",
-            |r| r.gap,
-        ),
-        ResultColumn::float("length_px", "Length of the path (px).", |r| r.length_px),
-        ResultColumn::float(
-            "min_clearance_px",
-            "Smallest distance of the path from a grown obstacle (px).",
-            |r| r.min_clearance_px,
-        ),
-        ResultColumn::int("iterations", "Convex programs solved.", |r| {
-            r.iterations.map(u64::from)
-        }),
-        ResultColumn::int("control_points", "Degrees of freedom of the curve.", |r| {
-            r.control_points.map(u64::from)
-        }),
-        ResultColumn::text(
-            "error",
-            "Reason for which there is no plan, or the fault of the plan.",
-            |r| &r.error,
-        ),
-    ];
+    const COLUMNS: &'static [ResultColumn<Self>] = columns! { r;
+        Text "outcome",
+            "Status of the plan, as in the [answers](plans.md) of `protean plan`; `failed` without an answer."
+            => r.outcome.name();
+        Bool "honest", "True if the plan passes the trajectory check; empty without a plan." => r.honest;
+        Int "obstacles", "Obstacles of the problem." => r.obstacles;
+        F64 "t_s", "Duration of the plan (s)." => r.t_s;
+        F64 "lower_bound_s", "Lower bound of the duration of any plan (s)." => r.lower_bound_s;
+        F64 "gap", "Duration above the lower bound, relative to it." => r.gap;
+        F64 "length_px", "Length of the path (px)." => r.length_px;
+        F64 "min_clearance_px", "Smallest distance of the path from a grown obstacle (px)." => r.min_clearance_px;
+        Int "iterations", "Convex programs solved." => r.iterations;
+        Int "control_points", "Degrees of freedom of the curve." => r.control_points;
+        Text "error", "Reason for which there is no plan, or the fault of the plan." => r.error.as_str();
+    };
 
     fn rows(row: &Self) -> &[Self] {
         std::slice::from_ref(row)

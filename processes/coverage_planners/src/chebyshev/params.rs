@@ -22,42 +22,27 @@ pub struct BridgeParams {
     pub max: [f64; 2],
 }
 
-/// Parameters of the chaotic coverage planner.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct ChebyshevParams {
-    /// Generator and key, such as `chebp-raw:123,456`; absent: `map` with a key made from the seed
-    /// of the run.
-    pub key: Option<Key>,
-    /// Generator of the key if none is given: `chebp`, `chebp-raw`, `chebf64`, `logistic`,
-    /// `standard`, `catp`, `keyed`, …
-    pub map: KeyKind,
-    /// Order of the rectangles in a large loop.
-    pub route: Route,
-    /// Sub-goals of a large loop.
-    pub iterations: Iterations,
-    /// Transit from one rectangle to the next.
-    pub transit: Transit,
-    /// Number of large loops; 0 for no limit.
-    pub loops: u32,
-    /// Bridges besides those across borders.
-    pub bridges: Vec<BridgeParams>,
-    /// Parameters that all planners of sub-goals share.
-    pub follow: FollowParams,
-}
-
-impl Default for ChebyshevParams {
-    fn default() -> Self {
-        Self {
-            key: None,
-            map: KeyKind::ChebP(Emission::Arcsine),
-            route: Route::default(),
-            iterations: Iterations::InAll(200),
-            transit: Transit::default(),
-            loops: 0,
-            bridges: Vec::new(),
-            follow: FollowParams::default(),
-        }
+parameters::table! {
+    /// Parameters of the chaotic coverage planner.
+    pub struct ChebyshevParams {
+        /// Generator and key, such as `chebp-raw:123,456`; absent: `map` with a key made from the seed
+        /// of the run.
+        pub key: Option<Key>,
+        /// Generator of the key if none is given: `chebp`, `chebp-raw`, `chebf64`, `logistic`,
+        /// `standard`, `catp`, `keyed`, …
+        pub map: KeyKind = KeyKind::ChebP(Emission::Arcsine),
+        /// Order of the rectangles in a large loop.
+        pub route: Route,
+        /// Sub-goals of a large loop.
+        pub iterations: Iterations = Iterations::InAll(200),
+        /// Transit from one rectangle to the next.
+        pub transit: Transit,
+        /// Number of large loops; 0 for no limit.
+        pub loops: u32 = 0,
+        /// Bridges besides those across borders.
+        pub bridges: Vec<BridgeParams>,
+        /// Parameters that all planners of sub-goals share.
+        pub follow: FollowParams,
     }
 }
 

@@ -4,32 +4,19 @@ use chaotic_maps::Key;
 use coverage::keyed::KeyedParams;
 use coverage::sub_goals::params::FollowParams;
 use parameters::{Parameters, ParamsError, within};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
-/// Parameters of the keyed coverage planner.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct KeyedCoverageParams {
-    /// The key, `keyed:` and 64 hexadecimal digits; absent: made from the seed of the run.
-    pub key: Option<Key>,
-    /// Choice of sub-goals.
-    pub goals: KeyedParams,
-    /// `true` to plan by the robot's real path instead of by the legs that it was sent along. It
-    /// then covers what was missed, but an ally cannot predict it with the key alone.
-    pub track: bool,
-    /// Parameters that all planners of sub-goals share.
-    pub follow: FollowParams,
-}
-
-impl Default for KeyedCoverageParams {
-    fn default() -> Self {
-        Self {
-            key: None,
-            goals: KeyedParams::default(),
-            track: true,
-            follow: FollowParams::default(),
-        }
+parameters::table! {
+    /// Parameters of the keyed coverage planner.
+    pub struct KeyedCoverageParams {
+        /// The key, `keyed:` and 64 hexadecimal digits; absent: made from the seed of the run.
+        pub key: Option<Key>,
+        /// Choice of sub-goals.
+        pub goals: KeyedParams,
+        /// `true` to plan by the robot's real path instead of by the legs that it was sent along. It
+        /// then covers what was missed, but an ally cannot predict it with the key alone.
+        pub track: bool = true,
+        /// Parameters that all planners of sub-goals share.
+        pub follow: FollowParams,
     }
 }
 

@@ -222,7 +222,7 @@ impl Map {
         let corners = compute(py, move || {
             ShortestPaths::new(&map, radius)?.corners(start, goal)
         })?;
-        arguments::array_of_points(py, &corners.map_err(|error| arguments::invalid(&error))?)
+        arguments::array_of_points(py, &corners.map_err(arguments::invalid)?)
     }
 
     /// Length of the exact shortest path of a disc, which is that of `path` but for the corners outside its arcs.
@@ -262,7 +262,7 @@ impl Map {
         let lengths = compute(py, move || {
             ShortestPaths::new(&map, radius)?.lengths(&points, goal)
         })?;
-        let lengths = lengths.map_err(|error| arguments::invalid(&error))?;
+        let lengths = lengths.map_err(arguments::invalid)?;
         arguments::per_point(py, is_single, lengths)
     }
 

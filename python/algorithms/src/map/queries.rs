@@ -50,7 +50,7 @@ pub fn from_grid(
     };
     compute(blocked.py(), move || {
         let map = CellMap::from_grid(&grid);
-        let world = WorldMap::from_cells(&map).map_err(|error| invalid(&error))?;
+        let world = WorldMap::from_cells(&map).map_err(invalid)?;
         of_world(&world, blur_sigma)
     })?
 }

@@ -31,19 +31,19 @@ pub fn read(source: &str) -> PyResult<Arc<PlannerMap>> {
         let scenario = Loader::new(KINDS)
             .draft(source)
             .and_then(Draft::resolve)
-            .map_err(|problems| invalid(&problems))?;
+            .map_err(invalid)?;
         return of_spec(&scenario.world.map, scenario.blur_sigma);
     }
     let file = MapSpec::File {
         path: source.into(),
         unknown: UnknownCells::default(),
     };
-    let spec = file.load(Path::new("")).map_err(|error| invalid(&error))?;
+    let spec = file.load(Path::new("")).map_err(invalid)?;
     of_spec(&spec, PAPER_SIGMA)
 }
 
 fn of_spec(spec: &MapSpec, blur_sigma: f64) -> PyResult<Arc<PlannerMap>> {
-    let world = WorldMap::recent(spec).map_err(|error| invalid(&error))?;
+    let world = WorldMap::recent(spec).map_err(invalid)?;
     at_most("source", world.frame().len(), MAX_CELLS)?;
     of_world(&world, blur_sigma)
 }
@@ -55,5 +55,5 @@ fn of_spec(spec: &MapSpec, blur_sigma: f64) -> PyResult<Arc<PlannerMap>> {
 pub fn of_world(world: &WorldMap, blur_sigma: f64) -> PyResult<Arc<PlannerMap>> {
     PlannerMap::of_world(world, blur_sigma, FIRST_REVISION)
         .map(Arc::new)
-        .map_err(|error| invalid(&error))
+        .map_err(invalid)
 }
