@@ -1,6 +1,7 @@
 //! Log of a run: topics and derived channels.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 
 use ipc_types::consumer::LoggedMessage;
 use ipc_types::layout::TopicLayout;
@@ -98,6 +99,11 @@ impl Log {
 
     pub(super) fn flush_if_due(&mut self) -> Result<(), LogWriteError> {
         self.writer.flush_if_due()
+    }
+
+    /// Returns the path of the file.
+    pub(super) fn path(&self) -> &Path {
+        self.writer.path()
     }
 
     /// Writes the result of the run, closes the file, and enters its totals into the summary.

@@ -1,6 +1,7 @@
 //! Recording of a run, independent of the source of messages.
 
 use std::collections::VecDeque;
+use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -83,6 +84,11 @@ impl Recording {
     ) -> Result<Self, LogWriteError> {
         self.output.log = Some(Log::new(log, &self.output.robots, derived)?);
         Ok(self)
+    }
+
+    /// Returns the path of the log, if there is one.
+    pub fn log_path(&self) -> Option<&Path> {
+        self.output.log.as_ref().map(Log::path)
     }
 
     /// Adds a message. `in_place`: the message is immutable and is copied only if it is needed later.

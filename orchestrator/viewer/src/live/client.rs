@@ -9,18 +9,19 @@ use std::time::{Duration, Instant};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use tungstenite::handshake::HandshakeError;
 use tungstenite::handshake::server::{ErrorResponse, Request, Response};
+use tungstenite::http::header::UPGRADE;
 use tungstenite::protocol::WebSocketConfig;
 use tungstenite::{Error, Message, WebSocket, accept_hdr_with_config};
 
 use super::admission::Admission;
 use super::broadcaster::{Broadcaster, Frame};
 use super::handshake::{self, Token};
+use super::page::{self, PageData};
+use super::request::{Connection, HANDSHAKE_TIMEOUT};
 use super::wire;
 
-/// Timeout of the handshake.
-const HANDSHAKE_TIMEOUT: Duration = Duration::from_secs(5);
 /// Timeout for sending queued messages after the end of the run.
-const END_TIMEOUT: Duration = Duration::from_secs(2);
+pub(super) const END_TIMEOUT: Duration = Duration::from_secs(2);
 /// Maximum sleep of the thread without an event.
 const POLL_INTERVAL: Duration = Duration::from_millis(200);
 /// Maximum size of a batch written to the connection (bytes).
@@ -39,12 +40,21 @@ pub(super) struct ServerState {
     pub(super) session: String,
     /// Time without reading after which a viewer is disconnected.
     pub(super) stall_timeout: Duration,
+    /// Data of the page.
+    pub(super) pages: Arc<PageData>,
 }
 
 /// Serves one connection until it ends; the stream must be non-blocking.
 pub(super) fn serve(server_state: &ServerState, stream: TcpStream, admission: &Admission) {
     let broadcaster = &*server_state.broadcaster;
-    let Some(socket) = handshake(broadcaster, &server_state.token, stream, admission) else {
+    let opened = Connection::open(stream, admission, || broadcaster.is_closed());
+    let Some((connection, request)) = opened else {
+        return;
+    };
+    if !request.headers().contains_key(UPGRADE) {
+        return page::answer(server_state, &connection.tcp, &request, admission);
+    }
+    let Some(socket) = handshake(broadcaster, &server_state.token, connection, admission) else {
         return;
     };
     if !admission.admit() {
@@ -67,7 +77,7 @@ pub(super) fn serve(server_state: &ServerState, stream: TcpStream, admission: &A
 }
 
 /// Reason for the end of a connection.
-enum End {
+pub(super) enum End {
     /// The viewer disconnected, or the run ended.
     Done,
     /// The viewer stopped reading.
@@ -77,9 +87,9 @@ enum End {
 fn handshake(
     broadcaster: &Broadcaster,
     token: &Token,
-    stream: TcpStream,
+    connection: Connection,
     admission: &Admission,
-) -> Option<WebSocket<TcpStream>> {
+) -> Option<WebSocket<Connection>> {
     let deadline = Instant::now() + HANDSHAKE_TIMEOUT;
     #[expect(clippy::result_large_err, reason = "signature of the library")]
     let judge = |request: &Request, response: Response| -> Result<Response, ErrorResponse> {
@@ -88,7 +98,7 @@ fn handshake(
     let config = WebSocketConfig::default()
         .max_message_size(Some(MAX_REQUEST_BYTES))
         .max_frame_size(Some(MAX_REQUEST_BYTES));
-    let mut result = accept_hdr_with_config(stream, judge, Some(config));
+    let mut result = accept_hdr_with_config(connection, judge, Some(config));
     loop {
         match result {
             Ok(socket) => return Some(socket),
@@ -100,7 +110,7 @@ fn handshake(
                     return None;
                 }
                 // Responses fit every buffer: the request is incomplete.
-                let stream = half.get_ref().get_ref();
+                let stream = &half.get_ref().get_ref().tcp;
                 let woken = PollFd::new(&**admission.wake(), PollFlags::IN);
                 wait(&mut [PollFd::new(stream, PollFlags::IN), woken]).ok()?;
                 result = half.handshake();
@@ -113,7 +123,7 @@ struct Client<'a> {
     broadcaster: &'a Broadcaster,
     stall_timeout: Duration,
     id: u64,
-    socket: WebSocket<TcpStream>,
+    socket: WebSocket<Connection>,
     wake: Arc<OwnedFd>,
     /// Time since which written data are unsent.
     unsent_since: Option<Instant>,
@@ -208,7 +218,7 @@ impl Client<'_> {
         }
         let wake: BorrowedFd<'_> = self.wake.as_fd();
         wait(&mut [
-            PollFd::new(self.socket.get_ref(), events),
+            PollFd::new(&self.socket.get_ref().tcp, events),
             PollFd::from_borrowed_fd(wake, PollFlags::IN),
         ])?;
         // The counter is empty if the wake-up had another cause.
@@ -239,7 +249,7 @@ fn unless_full(result: Result<(), Error>) -> Result<bool, Error> {
 }
 
 /// Waits for an event, at most for [`POLL_INTERVAL`].
-fn wait(fds: &mut [PollFd<'_>]) -> io::Result<()> {
+pub(super) fn wait(fds: &mut [PollFd<'_>]) -> io::Result<()> {
     let timeout = Timespec {
         tv_sec: 0,
         tv_nsec: POLL_INTERVAL.subsec_nanos().into(),
