@@ -457,7 +457,7 @@ function drawScaleBar() {
     metres *= step;
   }
   metres = Math.round(metres * 1e3) / 1e3;
-  const [x, y, long] = [14, view.height - 14, metres * view.scale];
+  const [x, y, long] = [14, view.height - 7, metres * view.scale];
   paint.strokeStyle = paint.fillStyle = colours.ink;
   paint.lineWidth = 2;
   paint.beginPath();

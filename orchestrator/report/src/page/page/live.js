@@ -70,20 +70,20 @@ async function untilFree() {
   while (isPressed || document.activeElement?.tagName === 'SELECT') await sleep(50);
 }
 
-/** Shows newer data as they come. */
-async function showLive() {
+/** Shows newer data as they come, to those of the end. */
+async function showLive(ended) {
   for (const [name, pressed] of [['pointerdown', true], ['pointerup', false], ['pointercancel', false]]) {
     document.addEventListener(name, () => { isPressed = pressed; }, { capture: true });
   }
   document.addEventListener('change', (event) => { if (event.target.tagName === 'SELECT') event.target.blur(); });
   try {
-    for (let isRunning = true; isRunning;) {
+    while (!ended) {
       const { facts, data } = await live.next();
       await untilFree();
       const began = performance.now();
       mount(facts, data);
       clock.grow(clock.viewers[0].end, facts.live);
-      isRunning = !facts.live.ended;
+      ({ ended } = facts.live);
       // A slow machine shows fewer of them.
       await sleep(3 * (performance.now() - began));
     }

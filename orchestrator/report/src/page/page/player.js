@@ -123,7 +123,7 @@ return {
   /** Time of the state this many states after that at a time (s). */
   frameTime: (t, by) => lists.time[Math.min(frames - 1, Math.max(0, frameAt(t) + by))] / 1e4,
   open: {
-    outcome: facts.outcome, digest: facts.digest, missing: facts.missing, frames, raster, facts, root,
+    outcome: facts.outcome, digest: facts.digest, missing: facts.missing, frames, raster, facts, root, view,
     /** The last state of the world up to a time (s). */
     at(t) {
       const frame = frameAt(t);

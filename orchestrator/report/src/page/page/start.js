@@ -121,8 +121,8 @@ window.protean = {
 if (isLive) {
   control('live').hidden = false;
   clock.grow(clock.end, sources[0].facts.live);
-  clock.follow();
-  showLive();
+  if (clock.isRunning) clock.follow();
+  showLive(sources[0].facts.live.ended);
 } else clock.t = Math.min(clock.end, clock.addressed() >= 0 ? clock.addressed() : Math.min(...clock.viewers.map((run) => run.opening)));
 refreshAll();
 clock.draw();
