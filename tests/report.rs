@@ -90,7 +90,9 @@ fn a_page_plays_the_mission_in_a_browser_and_shows_what_the_log_says() {
     let rows = next().as_array().unwrap();
     for (row, robot) in rows.iter().zip(summary["robots"].as_array().unwrap()) {
         assert_eq!(row[0], robot["name"]);
-        assert_eq!(row[1], robot["outcome"].as_str().unwrap().replace('_', " "));
+        let outcome = robot["outcome"].as_str().unwrap().replace('_', " ");
+        let shown = outcome.replace("active", "to the end");
+        assert_eq!(row[1], shown);
     }
     assert_eq!(rows.len(), history.states[0].robots.len());
     let scrubbed = next();
@@ -415,7 +417,7 @@ fn a_page_fits_the_screens_of_its_readers() {
         let look = next();
         let number = |value: &Json| value.as_f64().unwrap();
         assert!(number(&look[0]) >= 24.0, "a low control: {look}");
-        assert!(number(&look[1]) > 0.85, "a small world: {look}");
+        assert!(number(&look[1]) > 0.75, "a small world: {look}");
         assert!(number(&look[3]) <= 0.0, "wider than {width}: {look}");
         for part in look[2].as_array().unwrap() {
             let inside = number(&part[0]) >= 0.0 && number(&part[2]) <= f64::from(width);

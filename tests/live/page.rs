@@ -1,9 +1,9 @@
 //! Runs and replays that a browser shows.
 
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
-use std::net::TcpStream;
+use std::net::{Shutdown, TcpListener, TcpStream};
 use std::path::Path;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use serde_json::{Value as Json, json};
 
@@ -136,9 +136,13 @@ fn a_replay_shows_the_log_up_to_its_time() {
     let replay = Watched::replay(&sandbox, "run.mcap", &["--start", "2"]);
     let states = states(ask(replay.address(), &format!("/{}", token(&replay)), ""));
     let now = |state: &Json| state["facts"]["live"]["now_s"].as_f64().unwrap();
-    let first = states.first().unwrap();
+    // Before it begins, its time is 0.
+    let first = states.iter().find(|state| now(state) > 0.0).unwrap();
     assert!((2.0..3.0).contains(&now(first)), "{}", now(first));
-    assert!(first["facts"]["end_s"].as_f64().unwrap() < 3.0);
+    for state in &states {
+        let end_s = state["facts"]["end_s"].as_f64().unwrap();
+        assert!(end_s <= now(state) + 1e-6, "{end_s}");
+    }
     assert_eq!(first["facts"]["digest"], Json::Null, "nothing is foretold");
     let last = states.last().unwrap();
     assert_eq!(last["facts"]["live"]["ended"], true);
@@ -244,5 +248,62 @@ fn a_page_grows_with_its_run_and_looks_back_meanwhile() {
     );
     assert_eq!(next(), &json!(true), "it ends at the end");
     assert_eq!(next().as_str().unwrap().len(), 33, "the address stays");
+    sandbox.assert_nothing_left();
+}
+
+/// Forwards connections to an address; cuts the first that asks for this path, after 3 s. Returns its own address.
+fn breaking_proxy(to: &str, path: &str) -> String {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let own = listener.local_addr().unwrap().to_string();
+    let (to, path) = (to.to_owned(), format!("GET {path} "));
+    std::thread::spawn(move || {
+        let mut is_cut = false;
+        for client in listener.incoming() {
+            let (mut client, mut first) = (client.unwrap(), [0; 4096]);
+            let read = client.read(&mut first).unwrap_or(0);
+            let Ok(mut server) = TcpStream::connect(&to) else {
+                return;
+            };
+            server.write_all(&first[..read]).unwrap();
+            if !is_cut && first.starts_with(path.as_bytes()) {
+                is_cut = true;
+                let both = [client.try_clone().unwrap(), server.try_clone().unwrap()];
+                std::thread::spawn(move || {
+                    std::thread::sleep(Duration::from_secs(3));
+                    both.map(|end| end.shutdown(Shutdown::Both));
+                });
+            }
+            std::thread::spawn(move || {
+                let _ = std::io::copy(&mut server, &mut client);
+                let _ = client.shutdown(Shutdown::Both);
+            });
+        }
+    });
+    own
+}
+
+#[test]
+fn a_page_whose_connection_breaks_goes_on() {
+    let sandbox = Sandbox::new();
+    let run = Watched::start(
+        &sandbox,
+        &["--set", "rules.time_limit=15", "--set", "run.seed=3"],
+    );
+    let path = format!("/{}", token(&run));
+    let own = breaking_proxy(run.address(), &path);
+    let page = run.page().replace(run.address(), &own);
+    let state = "document.getElementById('live-state').textContent";
+    let steps = json!([
+        { "until": format!("{state} === 'no connection; trying again' && protean.isRunning") },
+        { "until": format!("{state} === 'live'") },
+        { "until": format!("{state} === 'ended'") },
+        { "eval": "protean.digest" },
+    ]);
+    let Some(found) = browse(Path::new(&page), &steps) else {
+        return;
+    };
+    assert_eq!(run.finish().0, Some(0));
+    let info = sandbox.protean(["info", "run.mcap"]).json();
+    assert_eq!(found["answers"][3], info["digest"]);
     sandbox.assert_nothing_left();
 }
