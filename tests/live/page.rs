@@ -78,7 +78,7 @@ fn pages_of_other_origins_and_without_the_token_are_refused() {
 #[test]
 fn a_run_with_five_pages_has_the_digest_of_one_without() {
     let sandbox = Sandbox::new();
-    let run = Watched::start(&sandbox, &["--pace", "2", "--set", "rules.time_limit=6"]);
+    let run = Watched::start(&sandbox, &["--set", "rules.time_limit=6"]);
     let path = format!("/{}", token(&run));
     // Never read.
     let _silent = ask(run.address(), &path, "");
@@ -108,7 +108,10 @@ fn a_run_with_five_pages_has_the_digest_of_one_without() {
             .iter()
             .map(|state| state["facts"]["live"]["now_s"].as_f64().unwrap())
             .collect();
-        assert!(times.len() > 3, "{times:?} after {took:?}");
+        assert!(
+            times.len() > 1 && times[0] < 6.0,
+            "{times:?} after {took:?}"
+        );
         assert!(times.is_sorted(), "{times:?}");
         let (last, before) = states.split_last().unwrap();
         for state in before {
@@ -143,7 +146,11 @@ fn a_replay_shows_the_log_up_to_its_time() {
         let end_s = state["facts"]["end_s"].as_f64().unwrap();
         assert!(end_s <= now(state) + 1e-6, "{end_s}");
     }
-    assert_eq!(first["facts"]["digest"], Json::Null, "nothing is foretold");
+    assert_eq!(
+        first["facts"]["digest"],
+        Json::Null,
+        "no result before the end"
+    );
     let last = states.last().unwrap();
     assert_eq!(last["facts"]["live"]["ended"], true);
     assert_eq!(last["facts"]["end_s"], 4.0);
@@ -270,7 +277,7 @@ fn breaking_proxy(to: &str, path: &str) -> String {
                 let both = [client.try_clone().unwrap(), server.try_clone().unwrap()];
                 std::thread::spawn(move || {
                     std::thread::sleep(Duration::from_secs(3));
-                    both.map(|end| end.shutdown(Shutdown::Both));
+                    let _ = both.map(|end| end.shutdown(Shutdown::Both));
                 });
             }
             std::thread::spawn(move || {

@@ -78,7 +78,7 @@ impl Consumer<LoggedRun> for Frames {
     }
 }
 
-/// What a log holds for the page, up to the part that has been read.
+/// Content of a log for the page, up to the part that has been read.
 #[derive(Debug, Clone)]
 pub struct PageParts {
     run: LoggedRun,

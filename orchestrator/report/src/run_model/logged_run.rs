@@ -23,7 +23,7 @@ const MAX_NOTES: usize = 50;
 const MAX_COORDINATE: f64 = 1e6;
 
 /// Purpose of reading a log.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Purpose {
     /// A picture of a moment (ns): uses the newest map; fails if a message cannot be read.
     Picture {
@@ -31,11 +31,12 @@ pub enum Purpose {
         until_ns: u64,
     },
     /// A page of the whole run: uses the first map; notes messages that cannot be read.
+    #[default]
     Page,
 }
 
 /// State of a run after the part of the log that has been read; all consumers of messages share it.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct LoggedRun {
     purpose: Purpose,
     /// Topics and numbers of messages by channel.
@@ -93,21 +94,7 @@ impl LoggedRun {
     pub(crate) fn new(purpose: Purpose) -> Self {
         Self {
             purpose,
-            facts: Facts::default(),
-            channels: BTreeMap::new(),
-            holds: false,
-            states: Vec::new(),
-            now_ns: None,
-            tick_period_ns: 0,
-            over: false,
-            end_ns: 0,
-            last_ns: 0,
-            patrols: Vec::new(),
-            changes: Vec::new(),
-            counts: BTreeMap::new(),
-            notes: Vec::new(),
-            failure: None,
-            condition: Condition::default(),
+            ..Self::default()
         }
     }
 

@@ -1,29 +1,25 @@
 //! Connection of one viewer, on its own thread.
 
 use std::io;
-use std::net::TcpStream;
 use std::os::fd::{AsFd as _, BorrowedFd, OwnedFd};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use rustix::event::{PollFd, PollFlags};
 use tungstenite::handshake::HandshakeError;
 use tungstenite::handshake::server::{ErrorResponse, Request, Response};
-use tungstenite::http::header::UPGRADE;
 use tungstenite::protocol::WebSocketConfig;
 use tungstenite::{Error, Message, WebSocket, accept_hdr_with_config};
 
 use super::admission::Admission;
 use super::broadcaster::{Broadcaster, Frame};
 use super::handshake::{self, Token};
-use super::page::{self, PageData};
-use super::request::{Connection, HANDSHAKE_TIMEOUT};
+use super::page::PageData;
+use super::request::{Connection, HANDSHAKE_TIMEOUT, wait};
 use super::wire;
 
 /// Timeout for sending queued messages after the end of the run.
 pub(super) const END_TIMEOUT: Duration = Duration::from_secs(2);
-/// Maximum sleep of the thread without an event.
-const POLL_INTERVAL: Duration = Duration::from_millis(200);
 /// Maximum size of a batch written to the connection (bytes).
 const MAX_BATCH_BYTES: usize = 256 << 10;
 /// Maximum size of a message of a viewer (bytes): subscriptions to thousands of topics.
@@ -44,16 +40,9 @@ pub(super) struct ServerState {
     pub(super) pages: Arc<PageData>,
 }
 
-/// Serves one connection until it ends; the stream must be non-blocking.
-pub(super) fn serve(server_state: &ServerState, stream: TcpStream, admission: &Admission) {
+/// Serves one connection until it ends.
+pub(super) fn serve(server_state: &ServerState, connection: Connection, admission: &Admission) {
     let broadcaster = &*server_state.broadcaster;
-    let opened = Connection::open(stream, admission, || broadcaster.is_closed());
-    let Some((connection, request)) = opened else {
-        return;
-    };
-    if !request.headers().contains_key(UPGRADE) {
-        return page::answer(server_state, &connection.tcp, &request, admission);
-    }
     let Some(socket) = handshake(broadcaster, &server_state.token, connection, admission) else {
         return;
     };
@@ -245,17 +234,5 @@ fn unless_full(result: Result<(), Error>) -> Result<bool, Error> {
         Ok(()) => Ok(true),
         Err(Error::Io(e)) if e.kind() == io::ErrorKind::WouldBlock => Ok(false),
         Err(error) => Err(error),
-    }
-}
-
-/// Waits for an event, at most for [`POLL_INTERVAL`].
-pub(super) fn wait(fds: &mut [PollFd<'_>]) -> io::Result<()> {
-    let timeout = Timespec {
-        tv_sec: 0,
-        tv_nsec: POLL_INTERVAL.subsec_nanos().into(),
-    };
-    match poll(fds, Some(&timeout)) {
-        Ok(_) | Err(rustix::io::Errno::INTR) => Ok(()),
-        Err(error) => Err(error.into()),
     }
 }

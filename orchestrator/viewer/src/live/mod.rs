@@ -4,8 +4,8 @@
 //! * the handle of its [`Broadcaster`] observes a log: same topics, schemas, bytes and times;
 //! * `request` reads what a connection asks for, `handshake` accepts or refuses it; `wire` encodes the protocol,
 //!   `client` serves one viewer on its thread;
-//! * `page` serves the page of the report, with data that grow with the log: it reads the log, not the messages of the
-//!   run, and only while a page is open.
+//! * `browser` serves the page of the report, with data that grow with the log: `page` reads the log, not the messages of
+//!   the run, and only while a page is open.
 //!
 //! The server only sends. It offers the capability `time` only, so that a viewer can neither publish nor
 //! change parameters, call services or set the time; the server ignores all messages of viewers except
@@ -18,6 +18,7 @@
 
 mod admission;
 mod broadcaster;
+mod browser;
 mod client;
 mod error;
 mod handshake;

@@ -1,18 +1,19 @@
-//! What a connection asks for: a `WebSocket`, or a page.
+//! Requests of connections: for a `WebSocket`, or for a page.
 
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::TcpStream;
 use std::time::{Duration, Instant};
 
-use rustix::event::{PollFd, PollFlags};
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use tungstenite::handshake::machine::TryParse as _;
 use tungstenite::handshake::server::Request;
 
 use super::admission::Admission;
-use super::client::wait;
 
 /// Maximum time from the connection to its complete request.
 pub(super) const HANDSHAKE_TIMEOUT: Duration = Duration::from_secs(5);
+/// Maximum sleep of the thread without an event.
+const POLL_INTERVAL: Duration = Duration::from_millis(200);
 /// Maximum size of the head of a request (bytes).
 const MAX_HEAD_BYTES: usize = 16 << 10;
 /// End of the head of a request.
@@ -75,5 +76,17 @@ impl Write for Connection {
 
     fn flush(&mut self) -> io::Result<()> {
         self.tcp.flush()
+    }
+}
+
+/// Waits for an event, at most for [`POLL_INTERVAL`].
+pub(super) fn wait(fds: &mut [PollFd<'_>]) -> io::Result<()> {
+    let timeout = Timespec {
+        tv_sec: 0,
+        tv_nsec: POLL_INTERVAL.subsec_nanos().into(),
+    };
+    match poll(fds, Some(&timeout)) {
+        Ok(_) | Err(rustix::io::Errno::INTR) => Ok(()),
+        Err(error) => Err(error.into()),
     }
 }

@@ -11,13 +11,16 @@ use std::time::Duration;
 use platform::eprintln;
 use platform::scratch::Scratch;
 use rustix::event::{EventfdFlags, PollFd, PollFlags, Timespec, eventfd, poll};
+use tungstenite::http::header::UPGRADE;
 
 use super::admission::Admission;
 use super::broadcaster::{BroadcastHandle, Broadcaster, LiveTotals};
+use super::browser;
 use super::client::{self, ServerState};
 use super::error::LiveError;
 use super::handshake::Token;
 use super::page::PageData;
+use super::request;
 
 /// Maximum number of viewers.
 const MAX_VIEWERS: usize = 32;
@@ -267,7 +270,18 @@ impl Acceptor {
         stream.set_nodelay(true)?;
         let admission = Arc::new(Admission::new(wake_up()?));
         let (server_state, own) = (self.server_state.clone(), Arc::clone(&admission));
-        let serve = move || client::serve(&server_state, stream, &own);
+        let serve = move || {
+            let is_closed = || server_state.broadcaster.is_closed();
+            match request::Connection::open(stream, &own, is_closed) {
+                Some((connection, request)) if request.headers().contains_key(UPGRADE) => {
+                    client::serve(&server_state, connection, &own);
+                }
+                Some((connection, request)) => {
+                    browser::answer(&server_state, &connection.tcp, &request, &own);
+                }
+                None => {}
+            }
+        };
         let thread = std::thread::Builder::new()
             .name("viewer".into())
             .spawn(serve)?;
