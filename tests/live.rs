@@ -1,5 +1,6 @@
 //! Runs that are watched: real connections to the real program.
 
+mod page;
 mod replay;
 
 use std::collections::BTreeMap;
@@ -80,6 +81,12 @@ impl<'a> Watched<'a> {
     /// The address that viewers connect to.
     pub fn url(&self) -> &str {
         &self.url
+    }
+
+    /// The address of the page in a browser.
+    fn page(&self) -> String {
+        let token = self.url.rsplit('/').next().unwrap();
+        format!("http://{}/#{token}", self.address())
     }
 
     /// Ends it as Ctrl-C does.

@@ -170,6 +170,7 @@ fn table_page_and_picture_show_the_idleness_of_a_team() {
         ages(rows - 1),
         { "eval": "[...document.querySelectorAll('#plots h3')].map((title) => title.textContent)" },
         { "eval": "[...document.querySelectorAll('#layers label')].map((layer) => layer.textContent)" },
+        { "eval": "[document.getElementById('layer-waypoints').checked, protean.runs[0].facts.capture_m]" },
     ]);
     if let Some(found) = browse(&sandbox.path().join("run.html"), &steps) {
         assert_eq!(found["errors"], json!([]));
@@ -181,6 +182,7 @@ fn table_page_and_picture_show_the_idleness_of_a_team() {
             assert!((mean - number(row, 2)).abs() < 1.0, "{mean}");
             assert!((worst - number(row, 3)).abs() < 1.0, "{worst}");
         }
+        assert_eq!(found["answers"][4], json!([false, null]), "many waypoints");
         let words = found["answers"].to_string();
         for text in [
             "Places of the patrol visited so far [%]",

@@ -90,7 +90,9 @@ fn a_page_plays_the_mission_in_a_browser_and_shows_what_the_log_says() {
     let rows = next().as_array().unwrap();
     for (row, robot) in rows.iter().zip(summary["robots"].as_array().unwrap()) {
         assert_eq!(row[0], robot["name"]);
-        assert_eq!(row[1], robot["outcome"].as_str().unwrap().replace('_', " "));
+        let outcome = robot["outcome"].as_str().unwrap().replace('_', " ");
+        let shown = outcome.replace("active", "to the end");
+        assert_eq!(row[1], shown);
     }
     assert_eq!(rows.len(), history.states[0].robots.len());
     let scrubbed = next();
@@ -374,4 +376,58 @@ fn pages_of_what_is_no_log_are_refused_and_those_of_a_killed_run_say_so() {
         let answer = found["answers"][0].as_str().unwrap();
         assert!(answer.contains("ends in the middle"), "{answer}");
     }
+}
+
+#[test]
+fn a_page_fits_the_screens_of_its_readers() {
+    let sandbox = Sandbox::new();
+    let words = ["run", "chase", "--in-process", "--out", "run.mcap"];
+    sandbox.protean(words).set("rules.time_limit=6").json();
+    sandbox.protean(["report", "run.mcap"]).json();
+    let lowest = "Math.min(...[...document.querySelectorAll('button, select, input, summary')].filter((e) => e.offsetParent)\
+         .map((e) => e.getBoundingClientRect().height))";
+    let share = "(({ view: { width, height, scale }, facts: { ground: { min, max } } }) => \
+         (max[0] - min[0]) * (max[1] - min[1]) * scale * scale / (width * height))(protean)";
+    let seen = "['map', 'play', 'scrub'].map((id) => document.getElementById(id).getBoundingClientRect())\
+         .map(({ left, top, right, bottom }) => [left, top, right, bottom])";
+    let overflow = "document.documentElement.scrollWidth - document.documentElement.clientWidth";
+    let look = format!("[{lowest}, {share}, {seen}, {overflow}]");
+    let screens = [[1500, 1000], [390, 844], [844, 390]];
+    let mut steps = Vec::new();
+    for screen in screens {
+        steps.extend([json!({ "screen": screen }), json!({ "eval": look })]);
+    }
+    steps.extend([
+        json!({ "eval": "protean.seek(0)" }),
+        json!({ "key": "]" }),
+        json!({ "eval": "protean.t" }),
+        json!({ "key": "]" }),
+        json!({ "key": "[" }),
+        json!({ "eval": "[protean.t, protean.facts.events[0][0]]" }),
+        json!({ "key": "?" }),
+        json!({ "eval": "document.getElementById('keys').open" }),
+    ]);
+    let Some(found) = browse(&sandbox.path().join("run.html"), &json!(steps)) else {
+        return;
+    };
+    assert_eq!(found["errors"], json!([]));
+    let mut answers = found["answers"].as_array().unwrap().iter();
+    let mut next = || answers.next().unwrap();
+    for [width, height] in screens {
+        let look = next();
+        let number = |value: &Json| value.as_f64().unwrap();
+        assert!(number(&look[0]) >= 24.0, "a low control: {look}");
+        assert!(number(&look[1]) > 0.75, "a small world: {look}");
+        assert!(number(&look[3]) <= 0.0, "wider than {width}: {look}");
+        for part in look[2].as_array().unwrap() {
+            let inside = number(&part[0]) >= 0.0 && number(&part[2]) <= f64::from(width);
+            assert!(inside, "{width}: {look}");
+            let is_seen = number(&part[1]) >= 0.0 && number(&part[3]) <= f64::from(height);
+            assert!(is_seen, "beyond the screen of {width}: {look}");
+        }
+    }
+    next();
+    let first = next().clone();
+    assert_eq!(next(), &json!([first, first]), "the next event and back");
+    assert_eq!(next(), true, "the keys");
 }

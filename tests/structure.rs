@@ -62,7 +62,8 @@ const RULES: Rules = Rules {
         &["recorder", "scenario"],
         &["diff"],
         // Readers of logs: no kinds of processes, no missions.
-        &["log_tools", "report", "viewer"],
+        &["log_tools", "report"],
+        &["viewer"],
         &["kinds", "mission", "plan"],
         &["environment", "replay"],
         &["latency", "published", "sweep"],

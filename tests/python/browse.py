@@ -5,7 +5,7 @@ usage: browse.py CHROMIUM PAGE < JSON list of steps
 A step is {"eval": JavaScript} (a JavaScript Promise is awaited), {"until": JavaScript} (tried until it gives
 something true), {"key": name}, {"shot": file.png}, {"colours": JavaScript} (what the function makes of the
 red, green, blue and alpha bytes of a screenshot), {"until_colours": JavaScript, "least": {key: n}} (until
-these numbers of it are that large) or {"dark": true}. Prints {"answers": [...], "errors": [...], "requests": [...]}: what the scripts gave,
+these numbers of it are that large), {"screen": [width, height]} (px) or {"dark": true}. PAGE is a file or an address. Prints {"answers": [...], "errors": [...], "requests": [...]}: what the scripts gave,
 the errors of the console, and every address that was asked for.
 """
 
@@ -163,6 +163,11 @@ def take(browser, step):
                 raise SystemExit(f"{step['until']} stays {answer}: {browser.errors}\n{shows}")
             time.sleep(0.05)
         yield answer
+    elif "screen" in step:
+        width, height = step["screen"]
+        browser.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=True)
+        # Laid out and drawn for it.
+        browser.evaluate("new Promise((done) => setTimeout(() => requestAnimationFrame(done), 200))")
     elif "key" in step:
         browser.key(step["key"])
     elif "colours" in step:
@@ -204,5 +209,5 @@ def colours(browser, function):
 
 
 if __name__ == "__main__":
-    page = f"file://{os.path.abspath(sys.argv[2])}"
+    page = sys.argv[2] if "://" in sys.argv[2] else f"file://{os.path.abspath(sys.argv[2])}"
     json.dump(look(sys.argv[1], page, json.load(sys.stdin)), sys.stdout)

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::rc::Rc;
+use std::sync::Arc;
 
 use ipc_types::consumer::{Consumer as _, LoggedMessage};
 use ipc_types::topics::{Commands, Status, Topic as _, TopicId, WorldState};
@@ -120,7 +120,7 @@ impl Reading {
         Ok(())
     }
 
-    fn channel(&mut self, log: &Path, channel: &Rc<Channel>) -> Result<(), LogReadError> {
+    fn channel(&mut self, log: &Path, channel: &Arc<Channel>) -> Result<(), LogReadError> {
         // A topic that a program has declared becomes known by its layout in the log.
         if let Some(topic) = known::topic_of(channel) {
             self.channels.insert(channel.id, topic);

@@ -9,7 +9,7 @@ use super::output::{MANIFEST, RESULT};
 use super::reader::{Channel, Item, Reader};
 
 /// Description and result of the run in a log, as far as it has been read.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub struct Origin {
     /// Metadata of the run, by name.
     pub manifest: BTreeMap<String, String>,

@@ -12,7 +12,7 @@ const PROGRESS_BYTES: u64 = 32 << 20;
 const MEGABYTE: u64 = 1_000_000;
 
 /// Progress of reading a file.
-#[derive(Default)]
+#[derive(Debug, Default)]
 pub struct ReadProgress {
     /// Set by a signal handler (Ctrl-C) to stop reading.
     pub interrupted: Arc<AtomicBool>,

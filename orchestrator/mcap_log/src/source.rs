@@ -5,7 +5,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
-use std::rc::Rc;
+use std::sync::Arc;
 
 use mcap::records::MessageHeader;
 
@@ -121,7 +121,7 @@ impl Source {
         };
         source.read_head()?;
         source.index = source.reader.index()?;
-        let channels: Vec<Rc<Channel>> = source.reader.channels().cloned().collect();
+        let channels: Vec<Arc<Channel>> = source.reader.channels().cloned().collect();
         for channel in &channels {
             source.take_up(channel)?;
         }
@@ -150,8 +150,8 @@ impl Source {
     }
 
     /// Returns the selected channels that are known so far.
-    pub fn channels(&self) -> impl Iterator<Item = (u16, &Rc<Channel>, Option<Rc<Schema>>)> {
-        let played = |channel: &&Rc<Channel>| self.played.contains_key(&channel.id);
+    pub fn channels(&self) -> impl Iterator<Item = (u16, &Arc<Channel>, Option<Arc<Schema>>)> {
+        let played = |channel: &&Arc<Channel>| self.played.contains_key(&channel.id);
         let channels = self.reader.channels().filter(played);
         channels.map(|channel| (channel.id, channel, self.reader.schema(channel.schema_id)))
     }

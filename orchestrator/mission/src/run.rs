@@ -10,9 +10,8 @@ use ipc_types::bus::{Publisher, PublisherOptions};
 use ipc_types::messages::process::RunControl;
 use ipc_types::stamp::PlainHeader;
 use ipc_types::topics::{Control, ObstacleEvents};
-use platform::eprintln;
 use runtime::config::Clock;
-use viewer::LiveServer;
+use viewer::{LiveOptions, LiveServer};
 
 use super::error::MissionError;
 use super::process_log::{ProcessEventLog, remark_lines};
@@ -39,9 +38,8 @@ pub struct MissionOptions {
     pub quiet: bool,
     /// Minimum severity of the processes' log lines.
     pub log_level: String,
-    /// Port of the live server, if requested; 0 selects a free port. It needs a log, since viewers get the messages
-    /// that are written to the log.
-    pub live: Option<u16>,
+    /// The live server, if requested. It needs a log, since viewers get the messages that are written to the log.
+    pub live: Option<LiveOptions>,
     /// Maximum speed of a run in lock-step (simulated s/s); without it the run is as fast as possible. Its history
     /// stays the same.
     pub pace: Option<f64>,
@@ -80,10 +78,6 @@ pub fn run(
         options.log_level.as_str()
     };
     let live = options.live.map(LiveServer::start).transpose()?;
-    if let Some(live) = &live {
-        // Shown also in quiet mode, since viewers need the address.
-        eprintln!("{}", live.invitation());
-    }
     let mut resources = RunResources::create(scenario, log_level, |bus| bus)?;
     if let Some(pace) = options.pace {
         resources.plan.limit_pace(pace);
@@ -97,6 +91,9 @@ pub fn run(
         lineage: None,
     });
     let recording = recording::create(scenario, &resources.plan, log, Arc::default(), mirror)?;
+    if let (Some(live), Some(path)) = (&live, recording.log_path()) {
+        live.show(path, false);
+    }
     let progress = Progress::new(scenario.world.rules.time_limit, options.quiet);
     let names = recording::run_info(scenario, &resources.plan).event_names();
     let printer = progress.events(names, team_colours(scenario), options.quiet);

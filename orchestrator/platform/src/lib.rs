@@ -1,6 +1,7 @@
 //! Functions of the operating system: files, processes, signals and the terminal.
 
 pub mod atomic_file;
+pub mod browser;
 pub mod descriptors;
 pub mod file_kind;
 pub mod file_lock;

@@ -30,6 +30,7 @@ pub fn bar(length: Option<u64>, template: &str, quiet: bool) -> ProgressBar {
 }
 
 /// Progress over items of one unit: a bar on a terminal, otherwise a line at intervals.
+#[derive(Debug)]
 pub struct Progress {
     bar: ProgressBar,
     plain: bool,

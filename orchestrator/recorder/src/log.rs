@@ -98,10 +98,6 @@ impl Log {
         }
     }
 
-    pub(super) fn path(&self) -> &Path {
-        self.writer.path()
-    }
-
     /// Returns the maximum age of messages that are not written.
     pub(super) fn flush_every(&self) -> Duration {
         self.writer.flush_every()
@@ -109,6 +105,11 @@ impl Log {
 
     pub(super) fn flush_if_due(&mut self) -> Result<(), LogWriteError> {
         self.writer.flush_if_due()
+    }
+
+    /// Returns the path of the file.
+    pub(super) fn path(&self) -> &Path {
+        self.writer.path()
     }
 
     /// Writes the result of the run, closes the file, and enters its totals into the summary.

@@ -1,6 +1,7 @@
 //! The log of a run on its own thread: derived channels, encoding, compression and writing.
 
 use std::panic::resume_unwind;
+use std::path::{Path, PathBuf};
 use std::sync::mpsc::{self, Receiver, SyncSender};
 use std::thread::{Builder, JoinHandle};
 use std::time::{Duration, Instant};
@@ -15,6 +16,9 @@ use super::summary::Summary;
 
 /// Size of the messages at which a batch is passed on (bytes).
 const BATCH_BYTES: usize = 64 * 1024;
+
+/// Age at which a batch is passed on with the next end of a tick: viewers see messages not much later.
+const MAX_AGE: Duration = Duration::from_millis(10);
 
 /// Maximum number of batches that wait for the thread; with more, the recorder waits.
 const MAX_WAITING: usize = 8;
@@ -36,8 +40,10 @@ pub(super) struct LogThread {
     flushed: Receiver<()>,
     /// Absent after an error.
     thread: Option<JoinHandle<Result<Log, LogWriteError>>>,
+    path: PathBuf,
     flush_every: Duration,
     last_flush: Instant,
+    last_passed: Instant,
 }
 
 impl LogThread {
@@ -55,10 +61,20 @@ impl LogThread {
             batch: Batch::default(),
             batches: Some(batches),
             flushed,
-            thread: Some(thread.map_err(|source| LogWriteError::Create { path, source })?),
+            thread: Some(thread.map_err(|source| LogWriteError::Create {
+                path: path.clone(),
+                source,
+            })?),
+            path,
             flush_every,
             last_flush: Instant::now(),
+            last_passed: Instant::now(),
         })
+    }
+
+    /// Returns the path of the file.
+    pub(super) fn path(&self) -> &Path {
+        &self.path
     }
 
     /// Adds a message.
@@ -83,8 +99,12 @@ impl LogThread {
     }
 
     /// Ends the current tick after its last message.
-    pub(super) fn end_of_tick(&mut self) {
+    pub(super) fn end_of_tick(&mut self) -> Result<(), LogWriteError> {
         self.batch.entries.push(None);
+        if self.last_passed.elapsed() >= MAX_AGE {
+            return self.pass_on(false);
+        }
+        Ok(())
     }
 
     /// Waits, twice per period of flushes, until the thread has written everything.
@@ -108,6 +128,7 @@ impl LogThread {
     fn pass_on(&mut self, flush: bool) -> Result<(), LogWriteError> {
         let mut batch = core::mem::take(&mut self.batch);
         batch.flush = flush;
+        self.last_passed = Instant::now();
         let batches = self.batches.as_ref();
         let sent = batches.is_some_and(|batches| batches.send(batch).is_ok());
         if sent && (!flush || self.flushed.recv().is_ok()) {

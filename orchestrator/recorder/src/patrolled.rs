@@ -10,7 +10,7 @@ use super::run_info::{PatrolInfo, RobotInfo};
 use super::summary::{NodeOutcome, OutcomePart, PatrolOutcome, Summary};
 
 /// Idleness of a contour or of a graph.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 enum Measured {
     Contour(Idleness),
     Graph(NodeIdleness),
@@ -29,7 +29,7 @@ impl Measured {
 }
 
 /// Idleness of a patrol, from the states of its robots.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct PatrolMeasurement {
     /// Indices of the robots.
     robots: Vec<u32>,
@@ -93,7 +93,7 @@ impl PatrolMeasurement {
 }
 
 /// All patrols.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct Patrolled(pub(super) Vec<PatrolMeasurement>);
 
 impl Consumer for Patrolled {

@@ -1,6 +1,7 @@
 //! Recording of a run, independent of the source of messages.
 
 use std::collections::VecDeque;
+use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -87,6 +88,11 @@ impl Recording {
         Ok(self)
     }
 
+    /// Returns the path of the log, if there is one.
+    pub fn log_path(&self) -> Option<&Path> {
+        self.output.log.as_ref().map(LogThread::path)
+    }
+
     /// Adds a message. `in_place`: the message is immutable and is copied only if it is needed later.
     pub(super) fn receive(&mut self, message: &AnyMessage<'_>, in_place: bool) {
         let topic = message.topic;
@@ -161,8 +167,7 @@ impl Recording {
         observer: &mut dyn Consumer,
     ) -> Result<(), LogWriteError> {
         self.write(completed, observer)?;
-        self.output.end_of_tick();
-        Ok(())
+        self.output.end_of_tick()
     }
 
     /// Writes complete ticks, in order: those up to `completed`, whose messages have all been sent, and those
@@ -193,7 +198,7 @@ impl Recording {
         self.write(last, observer)?;
         // The end of an incomplete tick is not reported yet.
         if completed >= Some(last) {
-            self.output.end_of_tick();
+            self.output.end_of_tick()?;
         }
         Ok(())
     }
@@ -284,9 +289,10 @@ impl Output {
         Ok(())
     }
 
-    fn end_of_tick(&mut self) {
-        if let Some(log) = &mut self.log {
-            log.end_of_tick();
+    fn end_of_tick(&mut self) -> Result<(), LogWriteError> {
+        match &mut self.log {
+            Some(log) => log.end_of_tick(),
+            None => Ok(()),
         }
     }
 }

@@ -4,8 +4,7 @@ use std::collections::BTreeMap;
 
 use mcap_log::source::{LogMessage, Source};
 use mcap_log::{ChannelSpec, LogObserver as _};
-use platform::eprintln;
-use viewer::{BroadcastHandle, LiveError, LiveServer, LiveTotals};
+use viewer::{BroadcastHandle, LiveError, LiveOptions, LiveServer, LiveTotals};
 
 /// Server of the replayed messages: the topics of the log with their schemas, byte for byte.
 pub(super) struct LiveReplay {
@@ -16,17 +15,16 @@ pub(super) struct LiveReplay {
 }
 
 impl LiveReplay {
-    /// Listens on this port and prints the address to stderr.
-    pub(super) fn start(port: u16, source: &Source) -> Result<Self, LiveError> {
-        let server = LiveServer::start(port)?;
+    /// Starts the server, which prints its addresses to stderr.
+    pub(super) fn start(options: LiveOptions, source: &Source) -> Result<Self, LiveError> {
+        let server = LiveServer::start(options)?;
+        server.show(source.path(), true);
         let mut live_replay = Self {
             tap: server.tap(),
             server,
             channels: BTreeMap::new(),
         };
         live_replay.announce(source);
-        // Shown also in quiet mode, since viewers need the address.
-        eprintln!("{}", live_replay.server.invitation());
         Ok(live_replay)
     }
 

@@ -114,7 +114,7 @@ impl<'a> Player<'a> {
     ) -> Result<Self, ReplayError> {
         let live_replay = options
             .live
-            .map(|port| LiveReplay::start(port, source))
+            .map(|live| LiveReplay::start(live, source))
             .transpose()
             .map_err(MissionError::from)?;
         let resources = create_resources(scenario)?;

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use mcap_log::Topics;
 use recorder::MessageCounts;
 use serde::Serialize;
-use viewer::LiveTotals;
+use viewer::{LiveOptions, LiveTotals};
 
 /// Options of a replay.
 #[derive(Debug, Clone)]
@@ -20,8 +20,8 @@ pub struct ReplayOptions {
     pub again: bool,
     /// Replayed topics.
     pub topics: Topics,
-    /// Port of the live server, if requested; 0 selects a free port.
-    pub live: Option<u16>,
+    /// The live server, if requested.
+    pub live: Option<LiveOptions>,
     /// `true` to show nothing.
     pub quiet: bool,
 }

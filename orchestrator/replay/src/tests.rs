@@ -262,7 +262,7 @@ fn runs_that_cannot_be_repeated_are_refused_with_the_reason() {
 
 #[test]
 fn logs_of_another_version_are_refused() {
-    use std::rc::Rc;
+    use std::sync::Arc;
 
     use mcap_log::output::Output;
     use mcap_log::reader::{Item, Reader};
@@ -280,7 +280,7 @@ fn logs_of_another_version_are_refused() {
                 Item::Schema(id, schema) => output.schema(id, &schema).unwrap(),
                 Item::Channel(channel) if channel.topic == "robot/plan" => {
                     if change == "other" {
-                        let mut channel = Rc::unwrap_or_clone(channel);
+                        let mut channel = Arc::unwrap_or_clone(channel);
                         channel
                             .metadata
                             .insert("schema_hash".into(), "other".into());

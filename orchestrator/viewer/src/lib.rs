@@ -2,7 +2,7 @@
 //!
 //! * `topics`: the viewer topics, ROS 2 messages that [`viewer_topics`] derives from the messages of a run: a
 //!   [`recorder::Recording`] writes them into the log;
-//! * `live`: [`LiveServer`], which sends logged messages to viewers during the run.
+//! * `live`: [`LiveServer`], which sends logged messages to viewers during the run, and shows it in a browser.
 
 mod live;
 mod topics;
@@ -10,5 +10,5 @@ mod topics;
 #[cfg(test)]
 mod tests;
 
-pub use live::{BroadcastHandle, Broadcaster, LiveError, LiveServer, LiveTotals};
+pub use live::{BroadcastHandle, Broadcaster, LiveError, LiveOptions, LiveServer, LiveTotals};
 pub use topics::{ViewerOptions, viewer_topics};

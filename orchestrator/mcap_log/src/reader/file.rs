@@ -110,6 +110,8 @@ impl Reader<'_> {
         let there = self.length.saturating_sub(self.next);
         if there < MAGIC_BYTES {
             self.cut(self.next, "the closing magic bytes");
+            // Read again if the file grows.
+            self.next = at;
             return Ok(());
         }
         if !self.is_magic(self.next)? {

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::ops::Range;
-use std::rc::Rc;
+use std::sync::Arc;
 
 use mcap::records::{AttachmentHeader, MessageHeader, Metadata};
 
@@ -43,9 +43,9 @@ pub enum Item<'a> {
         library: String,
     },
     /// A new schema.
-    Schema(u16, Rc<Schema>),
+    Schema(u16, Arc<Schema>),
     /// A new channel.
-    Channel(Rc<Channel>),
+    Channel(Arc<Channel>),
     /// A message of a known channel.
     Message(MessageHeader, &'a [u8]),
     /// An attached file.
@@ -58,8 +58,8 @@ pub enum Item<'a> {
 #[derive(Debug)]
 pub enum ItemLocation {
     Header(String, String),
-    Schema(u16, Rc<Schema>),
-    Channel(Rc<Channel>),
+    Schema(u16, Arc<Schema>),
+    Channel(Arc<Channel>),
     Message(MessageHeader, Range<usize>),
     Attachment(AttachmentHeader, Range<usize>),
     Metadata(Metadata),

@@ -20,7 +20,7 @@ use std::io;
 use std::ops::Range;
 use std::os::unix::fs::FileExt as _;
 use std::path::{Path, PathBuf};
-use std::rc::Rc;
+use std::sync::Arc;
 
 use mcap::records::MessageHeader;
 use platform::file_kind::FileKind;
@@ -35,6 +35,7 @@ use crate::LogReadError;
 use crate::ReadProgress;
 
 /// Reader of a log; see the [module](self).
+#[derive(Debug)]
 pub struct Reader<'w> {
     path: PathBuf,
     file: File,
@@ -47,8 +48,8 @@ pub struct Reader<'w> {
     chunk: Option<OpenChunk>,
     /// The message that was returned last.
     last: Option<(MessageHeader, Range<usize>)>,
-    schemas: BTreeMap<u16, Rc<Schema>>,
-    channels: BTreeMap<u16, Rc<Channel>>,
+    schemas: BTreeMap<u16, Arc<Schema>>,
+    channels: BTreeMap<u16, Arc<Channel>>,
     descriptions: usize,
     /// End of the data section (bytes) and its checksum.
     data_end: Option<(u64, u32)>,
@@ -156,12 +157,12 @@ impl<'w> Reader<'w> {
     }
 
     /// Returns the channels read so far.
-    pub fn channels(&self) -> impl Iterator<Item = &Rc<Channel>> + Clone {
+    pub fn channels(&self) -> impl Iterator<Item = &Arc<Channel>> + Clone {
         self.channels.values()
     }
 
     /// Returns the schema with this id, if it has been read.
-    pub fn schema(&self, id: u16) -> Option<Rc<Schema>> {
+    pub fn schema(&self, id: u16) -> Option<Arc<Schema>> {
         self.schemas.get(&id).cloned()
     }
 
@@ -227,6 +228,22 @@ impl<'w> Reader<'w> {
         self.last = None;
         self.buffer.clear();
         self.done = false;
+    }
+
+    /// Continues at the end of a file that may have grown since it was found to be cut there.
+    ///
+    /// # Errors
+    /// The log cannot be read: [`LogReadError`].
+    pub fn resume(&mut self) -> Result<(), LogReadError> {
+        if self.done
+            && let Some(cut_at) = self.condition.cut_at.take()
+        {
+            self.condition.faults.pop_if(|fault| fault.at == cut_at);
+            self.length = self.file.metadata().map_err(|e| self.failed(e))?.len();
+            self.condition.file_bytes = self.length;
+            self.done = false;
+        }
+        Ok(())
     }
 
     fn failed(&self, source: io::Error) -> LogReadError {

@@ -1,7 +1,7 @@
 //! Parser of single records.
 
 use std::ops::Range;
-use std::rc::Rc;
+use std::sync::Arc;
 
 use mcap::records::{AttachmentHeader, MessageHeader, Metadata, op};
 
@@ -69,8 +69,8 @@ impl Reader<'_> {
             }
             None => {
                 self.describe(body.len())?;
-                let schema = Rc::new(schema);
-                self.schemas.insert(id, Rc::clone(&schema));
+                let schema = Arc::new(schema);
+                self.schemas.insert(id, Arc::clone(&schema));
                 Ok(Ok(Some(ItemLocation::Schema(id, schema))))
             }
         }
@@ -115,8 +115,8 @@ impl Reader<'_> {
             }
             None => {
                 self.describe(body.len())?;
-                let channel = Rc::new(channel);
-                self.channels.insert(id, Rc::clone(&channel));
+                let channel = Arc::new(channel);
+                self.channels.insert(id, Arc::clone(&channel));
                 Ok(Ok(Some(ItemLocation::Channel(channel))))
             }
         }

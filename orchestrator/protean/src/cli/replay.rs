@@ -13,6 +13,7 @@ use super::run::report_viewers;
 use super::run_args::DEFAULT_PORT;
 use replay::{ReplayOptions, ReplayReport, VerificationReport, VerifyOptions, verify};
 use scenario::kind::Kind;
+use viewer::LiveOptions;
 
 /// Help below the options.
 pub const HELP: &str = "\
@@ -22,8 +23,8 @@ time between ticks is simulated time divided by --pace. Latched topics (map, sta
 before the start. run/control reports the state of the replay (1 playing, 4 ended) and its rate. A subscriber without
 free buffers delays the replay and ends it after 10 s; no message is dropped.
 
-With --live, Foxglove and Lichtblick show the replay, with the viewer topics of the log. A slow viewer misses messages;
-it never delays the replay.
+With --live, a page in the browser (as of `protean report`), Foxglove and Lichtblick show the replay, with the viewer
+topics of the log. A slow viewer misses messages; it never delays the replay.
 
 With --test, processes of the log's scenario run in lock-step, receive the messages that they received in the run, and
 their output is compared with the log. Processes under test receive each other's messages; the log supplies all others.
@@ -53,9 +54,12 @@ pub struct ReplayArgs {
     /// Repeat until Ctrl-C
     #[arg(long = "loop")]
     again: bool,
-    /// Serve the replay to Foxglove or Lichtblick on PORT of 127.0.0.1, read-only (0: any free port)
+    /// Show the replay live in a browser, Foxglove or Lichtblick, on PORT of 127.0.0.1, read-only (0: any free port)
     #[arg(long, value_name = "PORT", num_args = 0..=1, default_missing_value = DEFAULT_PORT)]
     live: Option<u16>,
+    /// With --live: open the page in the browser
+    #[arg(long, requires = "live")]
+    open: bool,
     /// Test this process of the scenario against the log (repeatable)
     #[arg(long, value_name = "PROCESS", conflicts_with_all = [
         "pace", "as_fast_as_possible", "start", "again", "topics", "exclude", "live",
@@ -103,7 +107,10 @@ fn play(
         end_s: args.part.span.end,
         again: args.again,
         topics: args.part.topics.into(),
-        live: args.live,
+        live: args.live.map(|port| LiveOptions {
+            port,
+            open: args.open,
+        }),
         quiet: args.quiet.quiet,
     };
     let done = replay::replay(&args.log, kinds, &options, watch)?;

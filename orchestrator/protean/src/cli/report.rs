@@ -1,8 +1,7 @@
 //! `protean report`.
 
-use std::io;
 use std::path::{Path, PathBuf};
-use std::process::{Command, ExitCode, Stdio};
+use std::process::ExitCode;
 
 use platform::eprintln;
 use platform::output_format::OutputFormat;
@@ -55,7 +54,7 @@ pub fn run(args: &ReportArgs) -> ExitCode {
             reports => print_json(&serde_json::json!(reports)),
         }
         if args.open
-            && let Err(why) = open(&out)
+            && let Err(why) = platform::browser::open(&out)
         {
             eprintln!(
                 "error: cannot show the page with xdg-open: {why}; open {} in a browser",
@@ -73,17 +72,4 @@ fn page_of(logs: &[&Path]) -> PathBuf {
     let names: Vec<_> = names.map(|name| name.to_string_lossy()).collect();
     let first = logs.first().copied().unwrap_or(Path::new(""));
     first.with_file_name(format!("{}.html", names.join("-")))
-}
-
-/// Shows a page in the browser.
-fn open(page: &Path) -> io::Result<()> {
-    // A name that begins with a hyphen is no option.
-    let page = page.canonicalize()?;
-    let mut command = Command::new("xdg-open");
-    // Without a browser it lists all that it looked for.
-    let ended = command.arg(page).stderr(Stdio::null()).status()?;
-    if ended.success() {
-        return Ok(());
-    }
-    Err(io::Error::other(ended.to_string()))
 }

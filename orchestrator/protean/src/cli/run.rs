@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 
 use config::Diagnostics;
 use platform::eprintln;
-use viewer::LiveTotals;
+use viewer::{LiveOptions, LiveTotals};
 
 use super::output::{
     EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, exit_code_of_mission, print_coloured, print_json,
@@ -98,7 +98,10 @@ fn execute(
         without_log: false,
         quiet: args.quiet.quiet,
         log_level: args.log_level.clone(),
-        live: args.live,
+        live: args.live.map(|port| LiveOptions {
+            port,
+            open: args.open,
+        }),
         // Without a pace, a run would end before a viewer shows it.
         pace: args.pace.or(args.live.map(|_| 1.0)).filter(|_| lock_step),
         remarks,

@@ -37,9 +37,12 @@ pub struct RunArgs {
     /// Run all processes within this one: same result, no latencies, no log unless --out names one
     #[arg(long, conflicts_with = "real_time")]
     pub(super) in_process: bool,
-    /// Serve the run to Foxglove or Lichtblick on PORT of 127.0.0.1, read-only (0: any free port; implies --pace 1)
+    /// Show the run live in a browser, Foxglove or Lichtblick, on PORT of 127.0.0.1, read-only (0: any free port; implies --pace 1)
     #[arg(long, value_name = "PORT", num_args = 0..=1, default_missing_value = DEFAULT_PORT, conflicts_with = "in_process")]
     pub(super) live: Option<u16>,
+    /// With --live: open the page in the browser
+    #[arg(long, requires = "live")]
+    pub(super) open: bool,
     /// Limit lock-step to FACTOR times real time; the result is the same
     #[arg(long, value_name = "FACTOR", conflicts_with_all = ["real_time", "in_process"])]
     pub(super) pace: Option<f64>,

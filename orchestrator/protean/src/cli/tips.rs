@@ -19,7 +19,7 @@ const OPTIONS: [(&[&str], &str); 7] = [
         &[
             "--gui", "--show", "--view", "--render", "--window", "--viewer",
         ],
-        "there is no window: `protean report LOG --open` shows a run in the browser, `run --live` in Foxglove",
+        "there is no window: `protean report LOG --open` shows a run in the browser, `run --live --open` while it runs",
     ),
     (
         &["--headless", "--no-gui"],

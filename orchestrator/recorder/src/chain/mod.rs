@@ -27,7 +27,7 @@ use super::run_info::ProcessInfo;
 const WINDOW: u64 = 512;
 
 /// Measures the ticks of a run from the stamps of its messages, which arrive approximately in order.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Chain {
     /// Topics whose messages answer the input of their tick.
     timed: Vec<TopicId>,
@@ -45,7 +45,7 @@ pub struct Chain {
 }
 
 /// A process and the names of its measurements.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 struct Process {
     kind: String,
     reads_beliefs: bool,
@@ -55,7 +55,7 @@ struct Process {
 }
 
 /// Stamps of the messages of one tick.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 struct Tick {
     state: Option<Stamp>,
     /// The last belief.
@@ -64,7 +64,7 @@ struct Tick {
 }
 
 /// Stamps of the messages of one process for a tick.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 struct Output {
     source: u32,
     /// Maximum time from the input to one of its messages (ns); `None` if clock readings are missing.

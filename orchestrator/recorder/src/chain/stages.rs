@@ -96,7 +96,7 @@ pub const TICK_JITTER: &str = "tick off its time";
 const MAX_PASSAGES: usize = 200_000;
 
 /// Details of a log beside hops and steps.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub struct Detail {
     /// Wall-clock time between two ticks (ns); `None` in lock-step.
     period_ns: Option<u64>,

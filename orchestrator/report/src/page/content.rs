@@ -7,6 +7,7 @@ use geometry::map::ObstacleChange;
 use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::world::RobotState;
 use ipc_types::topics::TopicId;
+use mcap_log::reader::Reader;
 use mcap_log::{Condition, LogReadError, ReadProgress};
 use recorder::PatrolMeasurement;
 
@@ -60,6 +61,7 @@ pub struct PageContent {
 }
 
 /// A thinned-out series of world states.
+#[derive(Debug, Clone)]
 struct Frames(ThinnedSeries<Frame>);
 
 impl Consumer<LoggedRun> for Frames {
@@ -76,28 +78,56 @@ impl Consumer<LoggedRun> for Frames {
     }
 }
 
-impl PageContent {
-    /// Reads a log up to its end or the first damaged record.
-    pub(super) fn read(log: &Path, watch: &mut ReadProgress) -> Result<Self, LogReadError> {
+/// Content of a log for the page, up to the part that has been read.
+#[derive(Debug, Clone)]
+pub struct PageParts {
+    run: LoggedRun,
+    frames: Frames,
+    layers: Layers,
+    marks: Marks,
+    event_lists: EventLists,
+    series: Series,
+    timing: Timing,
+}
+
+impl PageParts {
+    /// Creates the parts before the first record.
+    pub(super) fn new(marks: Marks) -> Self {
         let weigh = |frame: &Frame| frame.robots.len();
-        let mut frames = Frames(ThinnedSeries::new(0, MAX_STATES, weigh));
-        let (mut layers, mut event_lists) = (Layers::default(), EventLists::default());
-        let mut marks = Marks::from_log(log);
-        let (mut series, mut timing) = (Series::default(), Timing::default());
-        let mut run = LoggedRun::read(
-            log,
-            Purpose::Page,
-            vec![
-                Box::new(&mut frames),
-                Box::new(&mut layers),
-                Box::new(&mut marks),
-                Box::new(&mut event_lists),
-                Box::new(&mut series),
-                Box::new(&mut timing),
-            ],
-            watch,
-        )?;
-        let scenario = run.facts.take_scenario(log)?;
+        Self {
+            run: LoggedRun::new(Purpose::Page),
+            frames: Frames(ThinnedSeries::new(0, MAX_STATES, weigh)),
+            layers: Layers::default(),
+            marks,
+            event_lists: EventLists::default(),
+            series: Series::default(),
+            timing: Timing::default(),
+        }
+    }
+
+    /// Reads on to the first message after a time (ns), or to the end; returns the time of the last message (ns).
+    pub(super) fn read_on(
+        &mut self,
+        reader: &mut Reader<'_>,
+        until_ns: u64,
+    ) -> Result<u64, LogReadError> {
+        let consumers: Vec<Box<dyn Consumer<LoggedRun> + '_>> = vec![
+            Box::new(&mut self.frames),
+            Box::new(&mut self.layers),
+            Box::new(&mut self.marks),
+            Box::new(&mut self.event_lists),
+            Box::new(&mut self.series),
+            Box::new(&mut self.timing),
+        ];
+        self.run.read_on(reader, until_ns, consumers)?;
+        Ok(self.run.last_ns)
+    }
+
+    /// Returns the content.
+    pub(super) fn content(mut self, reader: &Reader<'_>) -> Result<PageContent, LogReadError> {
+        self.run.end(reader);
+        let mut run = self.run;
+        let scenario = run.facts.take_scenario(reader.path())?;
         let static_scene = run.facts.take_static_scene(&scenario);
         let tick_period_ns = if run.tick_period_ns == 0 {
             let period = run.facts.origin.manifest.get("tick_period_ns");
@@ -105,10 +135,10 @@ impl PageContent {
         } else {
             run.tick_period_ns
         };
-        Ok(Self {
+        Ok(PageContent {
             facts: run.facts,
             scenario,
-            frames: frames.0.finish(),
+            frames: self.frames.0.finish(),
             over: run.over,
             tick_period_ns,
             end_ns: if run.end_ns == 0 {
@@ -119,15 +149,27 @@ impl PageContent {
             static_scene,
             changes: run.changes,
             patrols: run.patrols,
-            layers,
-            marks,
-            event_lists,
-            series,
-            timing,
+            layers: self.layers,
+            marks: self.marks,
+            event_lists: self.event_lists,
+            series: self.series,
+            timing: self.timing,
             counts: run.counts,
             notes: run.notes,
             condition: run.condition,
         })
+    }
+}
+
+impl PageContent {
+    /// Reads a log up to its end or the first damaged record.
+    pub(super) fn read(log: &Path, watch: &mut ReadProgress) -> Result<Self, LogReadError> {
+        let mut reader = Reader::open(log, Some(watch))?;
+        let (marks, _) = Marks::from_log(log);
+        let mut parts = PageParts::new(marks);
+        parts.read_on(&mut reader, u64::MAX)?;
+        reader.check_all()?;
+        parts.content(&reader)
     }
 
     /// Name of a figure of a patrol, with its robots if there are several patrols.

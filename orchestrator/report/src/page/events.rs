@@ -21,7 +21,7 @@ const FREQUENT: [&str; 4] = [
 ];
 
 /// Events and waypoints in order, up to the maximum numbers.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub struct EventLists {
     /// Events, by time (ns).
     pub(super) events: Vec<(u64, WorldEvent)>,

@@ -289,6 +289,7 @@ pub fn facts(content: &mut PageContent) -> Json {
         "robots": robots,
         "pursuers": pursuers,
         "eyes": fields_of_view,
+        "capture_m": content.scenario.rules.capture.map(|capture| capture.radius),
         "task": task(&content.scenario.task(tasks)),
         "result": outcome_words(&robots_outcome, coverage.as_ref()),
         "outcome": robots_outcome,

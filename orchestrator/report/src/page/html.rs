@@ -23,8 +23,8 @@ const VIEWER: [&str; 11] = [
     include_str!("page/tables.js"),
     include_str!("page/player.js"),
 ];
-/// The script that starts all.
-const START: [&str; 1] = [include_str!("page/start.js")];
+/// The scripts that start all.
+const START: [&str; 2] = [include_str!("page/live.js"), include_str!("page/start.js")];
 
 /// A run on the page: its facts (JSON), and its lists of numbers (base64).
 #[derive(Debug)]
@@ -43,10 +43,13 @@ impl Run {
     }
 }
 
-/// Inserts runs, and the comparison of two, into the page.
+/// Inserts runs, and the comparison of two, into the page; without a run it shows that of its server.
 pub fn page(runs: &[Run], comparison: Option<&Json>, colours: &str) -> String {
     let mut titles: Vec<&str> = runs.iter().map(Run::title).collect();
     titles.dedup();
+    if runs.is_empty() {
+        titles.push("Live");
+    }
     let size: usize = runs.iter().map(|run| run.data.len()).sum();
     let mut page = String::with_capacity(size + (256 << 10));
     let mut rest = PAGE;
@@ -59,6 +62,8 @@ pub fn page(runs: &[Run], comparison: Option<&Json>, colours: &str) -> String {
         match mark {
             "title" => page.push_str(&escaped(&titles.join(", "))),
             "colours" => page.push_str(colours),
+            // Without runs, the page asks its server for one.
+            "connect" if runs.is_empty() => page.push_str("; connect-src 'self'"),
             "style" => page.push_str(STYLE),
             "runs" => {
                 for Run { facts, data } in runs {
@@ -139,7 +144,7 @@ mod tests {
         );
         assert!(page.starts_with("<!doctype html>") && page.trim_end().ends_with("</html>"));
         assert!(page.contains("<title>chase, Hello"));
-        assert!(page.contains("default-src 'none'"));
+        assert!(page.contains("default-src 'none'") && !page.contains("connect-src"));
         for outside in ["http://", "https://", "src=", "@import", "url("] {
             assert!(!page.contains(outside), "{outside}");
         }

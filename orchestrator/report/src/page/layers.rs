@@ -90,7 +90,7 @@ pub struct MethodPrediction {
 }
 
 /// All layers, by robot.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Layers {
     pub(super) beliefs: ThinnedSeries<Cloud>,
     pub(super) plans: ThinnedSeries<Path>,

@@ -22,7 +22,7 @@ const ALL_LINES: usize = 200_000;
 const SENDERS: u32 = 1 << 16;
 
 /// Lines of the marks of each topic, by topic and sender; a point is a line without length.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Marks {
     takes: Vec<TopicId>,
     drawn: Vec<DrawnFields>,
@@ -30,8 +30,9 @@ pub struct Marks {
 }
 
 impl Marks {
-    /// Returns the empty layer of the topics in a log. Their channels precede the first message.
-    pub(super) fn from_log(log: &Path) -> Self {
+    /// Returns the empty layer of the topics in a log, whose channels precede the first message, and `true` if the log
+    /// has a message.
+    pub(super) fn from_log(log: &Path) -> (Self, bool) {
         let mut marks = Self {
             takes: Vec::new(),
             drawn: Vec::new(),
@@ -39,7 +40,7 @@ impl Marks {
         };
         // A log that cannot be read is reported where all of it is read.
         let Ok(mut reader) = Reader::open(log, None) else {
-            return marks;
+            return (marks, false);
         };
         while let Ok(Some(item)) = reader.next() {
             match item {
@@ -52,11 +53,11 @@ impl Marks {
                         marks.drawn.push(drawn);
                     }
                 }
-                Item::Message(..) => break,
+                Item::Message(..) => return (marks, true),
                 _ => {}
             }
         }
-        marks
+        (marks, false)
     }
 
     /// Returns the names of the topics.

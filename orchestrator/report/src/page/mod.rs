@@ -4,13 +4,15 @@
 //! * `content` reads a log up to its end or the first damaged record, and thins out dense topics
 //!   (`thinning`), so that neither memory nor the page grows with the run;
 //! * `pack` encodes numbers as small integers;
-//! * `html` inserts them into the page, whose parts are in `page/`.
+//! * `html` inserts them into the page, whose parts are in `page/`;
+//! * `live` is the page of a log that is being written.
 
 mod content;
 mod events;
 mod facts;
 mod html;
 mod layers;
+mod live;
 mod marks;
 mod pack;
 mod plots;
@@ -27,6 +29,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use diff::diff;
+use flate2::Compression;
 use mcap_log::derived;
 use mcap_log::{Condition, DerivedError, LogReadError, ReadProgress};
 use platform::atomic_file::Readers;
@@ -35,6 +38,7 @@ use serde_json::{Value as Json, json};
 
 use self::content::PageContent;
 use self::html::Run;
+pub use self::live::LivePage;
 use self::pack::{Lists, Raster};
 pub use self::plots::{Plot, PlotCurve};
 use recorder::RobotOutcome;
@@ -102,7 +106,7 @@ pub fn render(
     let (mut runs, mut reports) = (Vec::new(), Vec::new());
     for log in logs {
         let mut content = PageContent::read(log, watch)?;
-        let (run, report) = run(&mut content)
+        let (run, report) = run(&mut content, Compression::best())
             .map_err(|error| LogReadError::Argument(format!("{}: {error}", log.display())))?;
         runs.push(run);
         reports.push(report);
@@ -139,7 +143,7 @@ pub fn plots(log: &Path, watch: &mut ReadProgress) -> Result<Vec<Plot>, LogReadE
 }
 
 /// Returns a run for the page and its summary.
-fn run(content: &mut PageContent) -> std::io::Result<(Run, Report)> {
+fn run(content: &mut PageContent, compression: Compression) -> std::io::Result<(Run, Report)> {
     fit_bounds(content);
     let raster = Raster::from_bounds(content.static_scene.min, content.static_scene.max);
     let frames = content.frames.len();
@@ -164,7 +168,7 @@ fn run(content: &mut PageContent) -> std::io::Result<(Run, Report)> {
         missing: facts::missing(content),
         condition: content.condition.clone(),
     };
-    let data = lists.finish()?;
+    let data = lists.finish(compression)?;
     Ok((Run { facts, data }, report))
 }
 

@@ -14,7 +14,7 @@ const ALL_CELLS: usize = 2_000_000;
 const MAX_COORDINATE: f64 = 1e6;
 
 /// Dominance regions, thinned out in space and time. All have the grid of the first.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Regions {
     grid: Option<Grid>,
     /// Owners of the cells, row by row from the smallest y.

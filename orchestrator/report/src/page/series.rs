@@ -57,7 +57,7 @@ pub enum Curve {
 }
 
 /// All curves read so far.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub struct Series {
     pub(super) curves: BTreeMap<(Figure, Curve), ThinnedSeries<f64>>,
     /// Sum and number of prediction errors so far.

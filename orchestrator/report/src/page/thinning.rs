@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 /// Timed items by key (for example, a robot) in bounded memory: per key, one item per interval and
 /// the last one. The interval grows when the items exceed the maximum weight.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct ThinnedSeries<T> {
     interval_ns: u64,
     /// Maximum sum of the weights of the items.

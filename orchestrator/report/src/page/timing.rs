@@ -13,7 +13,7 @@ use crate::run_model::LoggedRun;
 pub const PER_DECADE: u32 = 8;
 
 /// Latency collector that starts once the processes are known.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Timing {
     timed: Vec<TopicId>,
     chain: Option<Chain>,

@@ -12,7 +12,7 @@ use super::scenario::LoggedScenario;
 use super::static_scene::StaticScene;
 
 /// Facts of a run, from the part of the log that has been read.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub struct Facts {
     /// Manifest, scenario and result.
     pub(crate) origin: Origin,

@@ -23,7 +23,7 @@ const MAX_NOTES: usize = 50;
 const MAX_COORDINATE: f64 = 1e6;
 
 /// Purpose of reading a log.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Purpose {
     /// A picture of a moment (ns): uses the newest map; fails if a message cannot be read.
     Picture {
@@ -31,13 +31,18 @@ pub enum Purpose {
         until_ns: u64,
     },
     /// A page of the whole run: uses the first map; notes messages that cannot be read.
+    #[default]
     Page,
 }
 
 /// State of a run after the part of the log that has been read; all consumers of messages share it.
-#[derive(Debug)]
+#[derive(Debug, Clone, Default)]
 pub struct LoggedRun {
     purpose: Purpose,
+    /// Topics and numbers of messages by channel.
+    channels: BTreeMap<u16, (TopicId, u64)>,
+    /// `true` if the last message of the reader is still to be taken.
+    holds: bool,
     /// Facts from metadata and attachments.
     pub(crate) facts: Facts,
     /// The newest states of the robots.
@@ -78,52 +83,75 @@ impl LoggedRun {
         watch: &mut ReadProgress,
     ) -> Result<Self, LogReadError> {
         let mut reader = Reader::open(log, Some(watch))?;
-        let mut run = Self {
+        let mut run = Self::new(purpose);
+        run.read_on(&mut reader, u64::MAX, consumers)?;
+        reader.check_all()?;
+        run.end(&reader);
+        Ok(run)
+    }
+
+    /// Creates the state before the first record.
+    pub(crate) fn new(purpose: Purpose) -> Self {
+        Self {
             purpose,
-            facts: Facts::default(),
-            states: Vec::new(),
-            now_ns: None,
-            tick_period_ns: 0,
-            over: false,
-            end_ns: 0,
-            last_ns: 0,
-            patrols: Vec::new(),
-            changes: Vec::new(),
-            counts: BTreeMap::new(),
-            notes: Vec::new(),
-            failure: None,
-            condition: reader.condition().clone(),
-        };
+            ..Self::default()
+        }
+    }
+
+    /// Reads on to the first message after a time (ns), or to the end.
+    ///
+    /// # Errors
+    /// As [`Self::read`].
+    pub(crate) fn read_on(
+        &mut self,
+        reader: &mut Reader<'_>,
+        until_ns: u64,
+        consumers: Vec<Box<dyn Consumer<Self> + '_>>,
+    ) -> Result<(), LogReadError> {
+        let log = reader.path().to_owned();
         let mut consumers = Consumers::new(consumers);
-        let mut channels: BTreeMap<u16, (TopicId, u64)> = BTreeMap::new();
-        while let Some(item) = reader.next()? {
+        loop {
+            let item = if core::mem::take(&mut self.holds) {
+                let last = reader.last_message();
+                last.map(|(header, data)| Item::Message(header, data))
+            } else {
+                reader.next()?
+            };
             match item {
-                Item::Channel(channel) => {
-                    run.check_layout(log, &channel, &consumers)?;
+                None => return Ok(()),
+                Some(Item::Channel(channel)) => {
+                    self.check_layout(&log, &channel, &consumers)?;
                     if let Some(topic) = known::topic_of(&channel) {
-                        channels.entry(channel.id).or_insert((topic, 0));
+                        self.channels.entry(channel.id).or_insert((topic, 0));
                     }
                 }
-                Item::Message(header, data) => {
-                    if let Some((topic, count)) = channels.get_mut(&header.channel_id) {
+                Some(Item::Message(header, _)) if header.log_time > until_ns => {
+                    self.holds = true;
+                    return Ok(());
+                }
+                Some(Item::Message(header, data)) => {
+                    if let Some((topic, count)) = self.channels.get_mut(&header.channel_id) {
                         *count += 1;
-                        run.message(*topic, &header, data, &mut consumers);
-                        run.check_failure(log)?;
+                        let topic = *topic;
+                        self.message(topic, &header, data, &mut consumers);
+                        self.check_failure(&log)?;
                     }
                 }
-                other => run.facts.add(log, &other)?,
+                Some(other) => self.facts.add(&log, &other)?,
             }
         }
-        reader.check_all()?;
-        run.condition = reader.condition().clone();
-        for (topic, count) in channels.into_values() {
-            *run.counts.entry(topic.name().to_owned()).or_insert(0) += count;
+    }
+
+    /// Completes the state after the last message.
+    pub(crate) fn end(&mut self, reader: &Reader<'_>) {
+        self.condition = reader.condition().clone();
+        for (topic, count) in self.channels.values() {
+            *self.counts.entry(topic.name().to_owned()).or_insert(0) += count;
         }
         // Changes that were due after the end of the run did not happen.
-        let shown_ns = run.now_ns.filter(|now| *now > 0).unwrap_or(run.last_ns);
-        run.changes.retain(|(time_ns, _)| *time_ns <= shown_ns);
-        run.changes.sort_by_key(|(time_ns, _)| *time_ns);
-        Ok(run)
+        let shown_ns = self.now_ns.filter(|now| *now > 0).unwrap_or(self.last_ns);
+        self.changes.retain(|(time_ns, _)| *time_ns <= shown_ns);
+        self.changes.sort_by_key(|(time_ns, _)| *time_ns);
     }
 
     /// Decodes header and elements of a message; `None`, with a note, if it is damaged.

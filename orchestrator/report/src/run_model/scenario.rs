@@ -14,7 +14,7 @@ use super::task::TaskTrace;
 
 /// The parts of the logged scenario that a picture needs. Other parts are ignored, so that a
 /// picture does not depend on them.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Clone, Deserialize)]
 pub struct LoggedScenario {
     #[serde(default)]
     pub(crate) title: String,
@@ -27,13 +27,13 @@ pub struct LoggedScenario {
 }
 
 /// The table `[world]` of the scenario.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Clone, Deserialize)]
 pub struct LoggedWorld {
     pub(crate) map: MapSpec,
 }
 
 /// Reason why a logged scenario is not drawn.
-#[derive(Debug, thiserror::Error)]
+#[derive(Debug, Clone, thiserror::Error)]
 pub enum ScenarioFault {
     #[error(transparent)]
     Encoding(#[from] str::Utf8Error),

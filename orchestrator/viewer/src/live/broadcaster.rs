@@ -126,6 +126,23 @@ impl Broadcaster {
         Some(id)
     }
 
+    /// Counts a browser that shows the page; returns `false` after the end.
+    pub(super) fn count_viewer(&self) -> bool {
+        let mut state = self.lock();
+        state.totals.viewers += u64::from(!state.closed);
+        !state.closed
+    }
+
+    /// Counts a browser that was disconnected because it stopped reading.
+    pub(super) fn count_cut_off(&self) {
+        self.lock().totals.cut_off += 1;
+    }
+
+    /// Returns the current time (simulated ns).
+    pub(super) fn time_ns(&self) -> u64 {
+        self.lock().time_ns
+    }
+
     /// Removes a viewer, which left or was disconnected (`cut_off`).
     pub(super) fn leave(&self, viewer: u64, cut_off: bool) {
         let mut state = self.lock();

@@ -1,12 +1,11 @@
 //! Connection of one viewer, on its own thread.
 
 use std::io;
-use std::net::TcpStream;
 use std::os::fd::{AsFd as _, BorrowedFd, OwnedFd};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use rustix::event::{PollFd, PollFlags};
 use tungstenite::handshake::HandshakeError;
 use tungstenite::handshake::server::{ErrorResponse, Request, Response};
 use tungstenite::protocol::WebSocketConfig;
@@ -15,14 +14,12 @@ use tungstenite::{Error, Message, WebSocket, accept_hdr_with_config};
 use super::admission::Admission;
 use super::broadcaster::{Broadcaster, Frame};
 use super::handshake::{self, Token};
+use super::page::PageData;
+use super::request::{Connection, HANDSHAKE_TIMEOUT, wait};
 use super::wire;
 
-/// Timeout of the handshake.
-const HANDSHAKE_TIMEOUT: Duration = Duration::from_secs(5);
 /// Timeout for sending queued messages after the end of the run.
-const END_TIMEOUT: Duration = Duration::from_secs(2);
-/// Maximum sleep of the thread without an event.
-const POLL_INTERVAL: Duration = Duration::from_millis(200);
+pub(super) const END_TIMEOUT: Duration = Duration::from_secs(2);
 /// Maximum size of a batch written to the connection (bytes).
 const MAX_BATCH_BYTES: usize = 256 << 10;
 /// Maximum size of a message of a viewer (bytes): subscriptions to thousands of topics.
@@ -39,12 +36,14 @@ pub(super) struct ServerState {
     pub(super) session: String,
     /// Time without reading after which a viewer is disconnected.
     pub(super) stall_timeout: Duration,
+    /// Data of the page.
+    pub(super) pages: Arc<PageData>,
 }
 
-/// Serves one connection until it ends; the stream must be non-blocking.
-pub(super) fn serve(server_state: &ServerState, stream: TcpStream, admission: &Admission) {
+/// Serves one connection until it ends.
+pub(super) fn serve(server_state: &ServerState, connection: Connection, admission: &Admission) {
     let broadcaster = &*server_state.broadcaster;
-    let Some(socket) = handshake(broadcaster, &server_state.token, stream, admission) else {
+    let Some(socket) = handshake(broadcaster, &server_state.token, connection, admission) else {
         return;
     };
     if !admission.admit() {
@@ -67,7 +66,7 @@ pub(super) fn serve(server_state: &ServerState, stream: TcpStream, admission: &A
 }
 
 /// Reason for the end of a connection.
-enum End {
+pub(super) enum End {
     /// The viewer disconnected, or the run ended.
     Done,
     /// The viewer stopped reading.
@@ -77,9 +76,9 @@ enum End {
 fn handshake(
     broadcaster: &Broadcaster,
     token: &Token,
-    stream: TcpStream,
+    connection: Connection,
     admission: &Admission,
-) -> Option<WebSocket<TcpStream>> {
+) -> Option<WebSocket<Connection>> {
     let deadline = Instant::now() + HANDSHAKE_TIMEOUT;
     #[expect(clippy::result_large_err, reason = "signature of the library")]
     let judge = |request: &Request, response: Response| -> Result<Response, ErrorResponse> {
@@ -88,7 +87,7 @@ fn handshake(
     let config = WebSocketConfig::default()
         .max_message_size(Some(MAX_REQUEST_BYTES))
         .max_frame_size(Some(MAX_REQUEST_BYTES));
-    let mut result = accept_hdr_with_config(stream, judge, Some(config));
+    let mut result = accept_hdr_with_config(connection, judge, Some(config));
     loop {
         match result {
             Ok(socket) => return Some(socket),
@@ -100,7 +99,7 @@ fn handshake(
                     return None;
                 }
                 // Responses fit every buffer: the request is incomplete.
-                let stream = half.get_ref().get_ref();
+                let stream = &half.get_ref().get_ref().tcp;
                 let woken = PollFd::new(&**admission.wake(), PollFlags::IN);
                 wait(&mut [PollFd::new(stream, PollFlags::IN), woken]).ok()?;
                 result = half.handshake();
@@ -113,7 +112,7 @@ struct Client<'a> {
     broadcaster: &'a Broadcaster,
     stall_timeout: Duration,
     id: u64,
-    socket: WebSocket<TcpStream>,
+    socket: WebSocket<Connection>,
     wake: Arc<OwnedFd>,
     /// Time since which written data are unsent.
     unsent_since: Option<Instant>,
@@ -208,7 +207,7 @@ impl Client<'_> {
         }
         let wake: BorrowedFd<'_> = self.wake.as_fd();
         wait(&mut [
-            PollFd::new(self.socket.get_ref(), events),
+            PollFd::new(&self.socket.get_ref().tcp, events),
             PollFd::from_borrowed_fd(wake, PollFlags::IN),
         ])?;
         // The counter is empty if the wake-up had another cause.
@@ -235,17 +234,5 @@ fn unless_full(result: Result<(), Error>) -> Result<bool, Error> {
         Ok(()) => Ok(true),
         Err(Error::Io(e)) if e.kind() == io::ErrorKind::WouldBlock => Ok(false),
         Err(error) => Err(error),
-    }
-}
-
-/// Waits for an event, at most for [`POLL_INTERVAL`].
-fn wait(fds: &mut [PollFd<'_>]) -> io::Result<()> {
-    let timeout = Timespec {
-        tv_sec: 0,
-        tv_nsec: POLL_INTERVAL.subsec_nanos().into(),
-    };
-    match poll(fds, Some(&timeout)) {
-        Ok(_) | Err(rustix::io::Errno::INTR) => Ok(()),
-        Err(error) => Err(error.into()),
     }
 }

@@ -92,14 +92,25 @@ pub(super) fn answer(
     Ok(response)
 }
 
-/// Returns the protocol for a connection, or the reason for refusing it.
-fn choose_protocol(token: &Token, uri: &Uri, headers: &HeaderMap) -> Result<&'static str, Refusal> {
+/// Checks the token and the origin of a request for the data of the page.
+#[expect(clippy::result_large_err, reason = "the same type as for a handshake")]
+pub(super) fn permit(token: &Token, request: &Request) -> Result<(), ErrorResponse> {
+    check(token, request.uri(), request.headers()).map_err(Refusal::response)
+}
+
+fn check(token: &Token, uri: &Uri, headers: &HeaderMap) -> Result<(), Refusal> {
     if !token.matches_path(uri.path()) {
         return Err(Refusal::Token);
     }
     if !texts(headers, &ORIGIN).all(|origin| origin.is_some_and(is_allowed_origin)) {
         return Err(Refusal::Origin);
     }
+    Ok(())
+}
+
+/// Returns the protocol for a connection, or the reason for refusing it.
+fn choose_protocol(token: &Token, uri: &Uri, headers: &HeaderMap) -> Result<&'static str, Refusal> {
+    check(token, uri, headers)?;
     let offered = texts(headers, &SEC_WEBSOCKET_PROTOCOL)
         .flatten()
         .flat_map(|value| value.split(','))

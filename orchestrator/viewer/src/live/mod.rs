@@ -1,9 +1,11 @@
-//! Live viewers, over the Foxglove `WebSocket` protocol.
+//! Live viewers, over the Foxglove `WebSocket` protocol, and the page of the run for a browser.
 //!
 //! * [`LiveServer`] listens on the loopback address and serves all viewers that connect;
 //! * the handle of its [`Broadcaster`] observes a log: same topics, schemas, bytes and times;
-//! * `handshake` accepts or refuses connections, `wire` encodes the protocol, `client` serves one viewer on
-//!   its thread.
+//! * `request` reads what a connection asks for, `handshake` accepts or refuses it; `wire` encodes the protocol,
+//!   `client` serves one viewer on its thread;
+//! * `browser` serves the page of the report, with data that grow with the log: `page` reads the log, not the messages of
+//!   the run, and only while a page is open.
 //!
 //! The server only sends. It offers the capability `time` only, so that a viewer can neither publish nor
 //! change parameters, call services or set the time; the server ignores all messages of viewers except
@@ -16,12 +18,15 @@
 
 mod admission;
 mod broadcaster;
+mod browser;
 mod client;
 mod error;
 mod handshake;
+mod page;
+mod request;
 mod server;
 mod wire;
 
 pub use broadcaster::{BroadcastHandle, Broadcaster, LiveTotals};
 pub use error::LiveError;
-pub use server::LiveServer;
+pub use server::{LiveOptions, LiveServer};

@@ -3,17 +3,24 @@
 use std::io;
 use std::net::{Ipv4Addr, SocketAddr, TcpListener, TcpStream};
 use std::os::fd::OwnedFd;
+use std::path::Path;
 use std::sync::Arc;
 use std::thread::JoinHandle;
 use std::time::Duration;
 
+use platform::eprintln;
+use platform::scratch::Scratch;
 use rustix::event::{EventfdFlags, PollFd, PollFlags, Timespec, eventfd, poll};
+use tungstenite::http::header::UPGRADE;
 
 use super::admission::Admission;
 use super::broadcaster::{BroadcastHandle, Broadcaster, LiveTotals};
+use super::browser;
 use super::client::{self, ServerState};
 use super::error::LiveError;
 use super::handshake::Token;
+use super::page::PageData;
+use super::request;
 
 /// Maximum number of viewers.
 const MAX_VIEWERS: usize = 32;
@@ -28,10 +35,22 @@ const ACCEPT_RETRY: Timespec = Timespec {
     tv_nsec: 50_000_000,
 };
 
+/// Request for a live server.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct LiveOptions {
+    /// Port on 127.0.0.1; 0 selects a free port.
+    pub port: u16,
+    /// `true` to open the page in the browser of the user.
+    pub open: bool,
+}
+
 /// Server for viewers on the loopback address, until finished or dropped.
 #[derive(Debug)]
 pub struct LiveServer {
     broadcaster: Arc<Broadcaster>,
+    pages: Arc<PageData>,
+    /// Directory of the file that leads the browser to the page.
+    leads: Option<Scratch>,
     address: SocketAddr,
     token: Token,
     /// Event descriptor, readable after the end.
@@ -40,19 +59,55 @@ pub struct LiveServer {
 }
 
 impl LiveServer {
-    /// Listens on this port of 127.0.0.1; 0 selects a free port.
+    /// Listens on the port, prints the addresses to stderr and opens the page if requested.
     ///
     /// # Errors
     /// [`LiveError`] if the port is not available.
-    pub fn start(port: u16) -> Result<Self, LiveError> {
-        Self::with_stall_timeout(port, STALL_TIMEOUT)
+    pub fn start(options: LiveOptions) -> Result<Self, LiveError> {
+        let mut server = Self::with_stall_timeout(options.port, STALL_TIMEOUT)?;
+        // Shown also in quiet mode, since viewers need the address.
+        eprintln!("{}", server.invitation());
+        if options.open {
+            let open = server.open();
+            server.leads = Some(open.map_err(|source| {
+                let what = "cannot open the page";
+                LiveError::System { what, source }
+            })?);
+        }
+        Ok(server)
+    }
+
+    /// Opens the page in the browser of the user, by a file that leads to it: all users can read the arguments of a
+    /// program, but not the file.
+    fn open(&self) -> io::Result<Scratch> {
+        let scratch = Scratch::create()?;
+        let file = scratch.path().join("live.html");
+        let target = self.page();
+        let lead = format!("<meta http-equiv=\"refresh\" content=\"0;url={target}\">\n");
+        std::fs::write(&file, lead)?;
+        let open = move || {
+            if let Err(why) = platform::browser::open(&file) {
+                eprintln!(
+                    "note: cannot show the page with xdg-open: {why}; open the printed address"
+                );
+            }
+        };
+        std::thread::Builder::new()
+            .name("open".into())
+            .spawn(open)?;
+        Ok(scratch)
+    }
+
+    /// Shows the page of this log, which is being written or `replayed`.
+    pub fn show(&self, log: &Path, replayed: bool) {
+        self.pages.show(log, replayed);
     }
 
     /// Listens with this time without reading after which a viewer is disconnected.
     ///
     /// # Errors
     /// As [`LiveServer::start`].
-    pub fn with_stall_timeout(port: u16, stall_timeout: Duration) -> Result<Self, LiveError> {
+    fn with_stall_timeout(port: u16, stall_timeout: Duration) -> Result<Self, LiveError> {
         let listen = |source| LiveError::Listen { port, source };
         let system = |what| move |source| LiveError::System { what, source };
         let token = Token::random().map_err(system("cannot read random numbers"))?;
@@ -62,12 +117,14 @@ impl LiveServer {
         let address = listener.local_addr().map_err(listen)?;
         let end = Arc::new(wake_up().map_err(system("cannot create an event descriptor"))?);
         let broadcaster = Arc::new(Broadcaster::default());
+        let pages = Arc::new(PageData::default());
         let handshake = Acceptor {
             server_state: ServerState {
                 broadcaster: Arc::clone(&broadcaster),
                 token: token.clone(),
                 session: session.text().to_owned(),
                 stall_timeout,
+                pages: Arc::clone(&pages),
             },
             end: Arc::clone(&end),
         };
@@ -77,6 +134,8 @@ impl LiveServer {
             .map_err(system("cannot start a thread"))?;
         Ok(Self {
             broadcaster,
+            pages,
+            leads: None,
             address,
             token,
             end,
@@ -85,15 +144,22 @@ impl LiveServer {
     }
 
     /// Returns the address for viewers; it contains the token that authorises them.
-    pub fn url(&self) -> String {
+    fn url(&self) -> String {
         format!("ws://{}/{}", self.address, self.token.text())
     }
 
-    /// Returns the lines that tell the user the address, and how a viewer opens it.
-    pub fn invitation(&self) -> String {
+    /// Returns the address of the page, with the token.
+    fn page(&self) -> String {
+        format!("http://{}/#{}", self.address, self.token.text())
+    }
+
+    /// Returns the lines that tell the user the addresses.
+    fn invitation(&self) -> String {
         format!(
-            "live: {}\n      in Foxglove or Lichtblick: Open connection, Foxglove WebSocket, this address",
-            self.url()
+            "live: {}\n      in Foxglove or Lichtblick: Open connection, Foxglove WebSocket, this address\n\
+             live: {}\n      in a browser",
+            self.url(),
+            self.page()
         )
     }
 
@@ -204,7 +270,18 @@ impl Acceptor {
         stream.set_nodelay(true)?;
         let admission = Arc::new(Admission::new(wake_up()?));
         let (server_state, own) = (self.server_state.clone(), Arc::clone(&admission));
-        let serve = move || client::serve(&server_state, stream, &own);
+        let serve = move || {
+            let is_closed = || server_state.broadcaster.is_closed();
+            match request::Connection::open(stream, &own, is_closed) {
+                Some((connection, request)) if request.headers().contains_key(UPGRADE) => {
+                    client::serve(&server_state, connection, &own);
+                }
+                Some((connection, request)) => {
+                    browser::answer(&server_state, &connection.tcp, &request, &own);
+                }
+                None => {}
+            }
+        };
         let thread = std::thread::Builder::new()
             .name("viewer".into())
             .spawn(serve)?;

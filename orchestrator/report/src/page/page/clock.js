@@ -31,6 +31,14 @@ function axisSteps(from, to, count) {
   return steps;
 }
 
+/** Unpacks data: base64, then deflate. */
+async function unpack(text) {
+  if (typeof DecompressionStream === 'undefined') throw new Error('this browser is too old: it cannot unpack data');
+  const bytes = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream('deflate'));
+  return new Uint8Array(await new Response(stream).arrayBuffer());
+}
+
 const SPEEDS = [0.25, 0.5, 1, 2, 4, 8, 16, 32, 64];
 /** Maximum duration of playing a run at the speed of the beginning (s). */
 const LONGEST_PLAY = 60;
@@ -38,6 +46,8 @@ const LONGEST_PLAY = 60;
 const control = (id) => document.getElementById(id);
 const clock = {
   t: 0, end: 0, difference: NaN, playing: false, speed: 1, viewers: [], waiting: false, before: 0, drawn: 0, address: 0,
+  /** Of a running mission: its present time (s), whether the page follows it, and at which speed. */
+  isRunning: false, present: 0, follows: false, rate: 1, grown: 0,
 
   /** Schedules one redraw. */
   redraw() {
@@ -50,24 +60,52 @@ const clock = {
     this.waiting = false;
     if (this.playing) {
       // After a pause of the browser, playback continues at the same time.
-      this.t += Math.min(0.25, Math.max(0, (now - this.before) / 1e3)) * this.speed;
-      if (this.t >= this.end) { this.t = this.end; this.pause(); }
+      this.t += Math.min(0.25, Math.max(0, (now - this.before) / 1e3)) * (this.follows ? this.rate : this.speed);
+      const last = this.isRunning ? this.present : this.end;
+      if (this.t >= last) {
+        this.t = last;
+        if (this.isRunning) this.follows = true; else this.pause();
+      }
     }
     this.before = now;
     this.draw();
-    if (this.playing) this.redraw();
+    // At the present time, nothing moves before the next data.
+    if (this.playing && !(this.isRunning && this.t >= this.present)) this.redraw();
+  },
+
+  /** Takes the end of newer data, and their present time; what is followed arrives there with the next ones. */
+  grow(end, { now_s: present, ended }) {
+    const now = performance.now();
+    const seconds = Math.min(2, Math.max(0.2, (now - this.grown) / 1e3));
+    Object.assign(this, { end, present, isRunning: !ended, grown: now, before: now });
+    control('scrub').max = end;
+    if (this.follows) {
+      // A replay that begins again, or long-awaited data.
+      if (this.t > present || present - this.t > 30 * seconds) this.t = present;
+      this.rate = (present - this.t) / seconds;
+    }
+    this.redraw();
+  },
+
+  follow() {
+    this.t = this.present;
+    this.follows = true;
+    this.play();
+    this.redraw();
   },
 
   draw() {
     for (const run of this.viewers) run.draw(this.t);
     control('scrub').value = this.t;
+    control('live').setAttribute('aria-pressed', String(this.follows));
     control('clock').textContent = `${timeText(this.t)} s of ${timeText(this.end)} s`;
     this.drawn += 1;
   },
 
   play() {
     if (this.playing) return;
-    if (this.t >= this.end) this.t = 0;
+    this.follows = this.isRunning && this.t >= this.present;
+    if (this.t >= this.end && !this.isRunning) this.t = 0;
     this.playing = true;
     this.before = performance.now();
     control('play').textContent = 'Pause';
@@ -75,7 +113,7 @@ const clock = {
   },
 
   pause() {
-    this.playing = false;
+    this.playing = this.follows = false;
     control('play').textContent = 'Play';
     this.writeAddress();
     this.redraw();
@@ -85,6 +123,7 @@ const clock = {
 
   seek(t) {
     this.t = Math.min(this.end, Math.max(0, Number.isFinite(t) ? t : 0));
+    this.follows = this.playing && this.isRunning && this.t >= this.present;
     this.writeAddress();
     this.redraw();
   },
@@ -114,6 +153,8 @@ const clock = {
 
   /** Writes the time into the address, `#t=18`, once the time stays. */
   writeAddress() {
+    // The address of a running mission holds its token.
+    if (isLive) return;
     clearTimeout(this.address);
     this.address = setTimeout(() => history.replaceState(null, '', `#t=${+this.t.toFixed(2)}`), 250);
   },

@@ -2,22 +2,8 @@
 
 const $ = (id) => root.getElementById(id);
 
-/** Decodes base64. */
-function fromBase64(text) {
-  const binary = atob(text);
-  const bytes = new Uint8Array(binary.length);
-  for (let i = 0; i < bytes.length; i++) bytes[i] = binary.charCodeAt(i);
-  return bytes;
-}
-
-async function inflate(bytes) {
-  if (typeof DecompressionStream === 'undefined') throw new Error('this browser is too old: it cannot unpack data');
-  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream('deflate'));
-  return new Uint8Array(await new Response(stream).arrayBuffer());
-}
-
 /** Decodes the lists by name: bytes are grouped by significance, numbers are differences. */
-function unpackLists(data) {
+function unpackLists() {
   const lists = {};
   for (const { name, at, length, bytes, differences } of facts.lists) {
     const list = new [0, Uint8Array, Uint16Array, 0, Uint32Array][bytes](length);
@@ -34,7 +20,7 @@ function unpackLists(data) {
 /** Seconds in the time unit of the lists. */
 const ticksOf = (seconds) => Math.round(seconds * 1e4);
 
-const lists = unpackLists(await inflate(fromBase64(packed)));
+const lists = unpackLists();
 const { raster } = facts;
 const xOf = (n) => raster.origin[0] + n * raster.step;
 const yOf = (n) => raster.origin[1] + n * raster.step;

@@ -4,6 +4,8 @@
 const SMALLEST_DISC = 7;
 
 function methodColour(method) { return colours.curves[(method + 1) % colours.curves.length]; }
+/** Number of waypoints above which they hide the map: they are off. */
+const MANY_WAYPOINTS = 200;
 const some = (name) => lists[`${name}.time`].length > 0;
 
 /** Attacks with their judgement, from the result of the run. */
@@ -32,7 +34,8 @@ const LAYERS = [
   { id: 'rectangles', text: 'rectangles of the free space', colour: 'faint', there: facts.task.rectangles.length > 0, on: true },
   { id: 'trails', text: 'paths so far', colour: facts.robots.length ? roleOf(0) : 'ink', there: frames > 1, on: true },
   { id: 'plans', text: 'planned paths; a ring: what the robot heads for', colour: 'plan', there: some('plans'), on: true },
-  { id: 'waypoints', text: 'waypoints: reached (filled), left out (cross)', colour: 'pursuer', there: some('waypoints'), on: true },
+  { id: 'waypoints', text: 'waypoints: reached (filled), left out (cross)', colour: 'pursuer', there: some('waypoints'),
+    on: lists['waypoints.time'].length <= MANY_WAYPOINTS },
   { id: 'beliefs', text: `beliefs of ${facts.pursuers} about the evaders`, colour: 'belief', there: some('beliefs'), on: true },
   { id: 'trees', text: 'search trees', colour: 'evader', there: some('trees'), on: true },
   { id: 'sight', text: 'fields of view (lines of sight on the map)', colour: 'pursuer',
@@ -48,7 +51,9 @@ const LAYERS = [
     parts: [[markColour(topic), 'elements of the topic']] })),
   { id: 'names', text: 'names', colour: 'ink', there: true, on: true },
 ].filter((layer) => layer.there);
-const shown = Object.fromEntries(LAYERS.map((layer) => [layer.id, layer.on]));
+/** Layers that the reader has turned on or off. */
+const chosen = { ...before?.chosen };
+const shown = { ...Object.fromEntries(LAYERS.map((layer) => [layer.id, layer.on])), ...chosen };
 
 function drawGround(t) {
   const ground = groundAt(t);
@@ -273,6 +278,17 @@ function drawAttacks(t) {
   }
 }
 
+/** For each waypoint the number of the next one of its robot at the same place: it is a lap old from then on. */
+const nextLap = new Map();
+{
+  const last = new Map();
+  lists['waypoints.time'].forEach((_, i) => {
+    const key = [lists['waypoints.robot'][i], ...['x', 'y'].map((axis) => Math.round(lists[`waypoints.${axis}`][i] * raster.step * 20))].join();
+    if (last.has(key)) nextLap.set(last.get(key), i);
+    last.set(key, i);
+  });
+}
+
 function drawWaypoints(t) {
   inPixels(paint);
   const until = lastUpTo(lists['waypoints.time'], ticksOf(t));
@@ -283,7 +299,7 @@ function drawWaypoints(t) {
     if (x < -9 || y < -9 || x > view.width + 9 || y > view.height + 9) continue;
     const newest = i > until - 3;
     const r = newest ? 5 : many ? 2 : 3;
-    paint.globalAlpha = newest ? 1 : 0.55;
+    paint.globalAlpha = newest ? 1 : nextLap.get(i) <= until ? 0.12 : 0.55;
     if (lists['waypoints.outcome'][i] === 0) {
       paint.fillStyle = colours.pursuer;
       paint.fillRect(x - r, y - r, 2 * r, 2 * r);
@@ -323,6 +339,14 @@ function drawRobots(t, followed) {
     paint.closePath();
     paint.fill();
     paint.globalAlpha = 1;
+    // Within this ring, the centre of an evader is caught.
+    if (facts.capture_m && state.status === 0 && roleOf(robot) === 'pursuer') {
+      paint.strokeStyle = robotColour(robot);
+      paint.lineWidth = 1;
+      paint.beginPath();
+      paint.arc(x, y, facts.capture_m * view.scale, 0, 2 * Math.PI);
+      paint.stroke();
+    }
     if (robot === followed || state.failSafe || state.inContact) {
       paint.strokeStyle = state.failSafe || state.inContact ? colours.obstacle : colours.ink;
       paint.lineWidth = 2;
@@ -433,7 +457,7 @@ function drawScaleBar() {
     metres *= step;
   }
   metres = Math.round(metres * 1e3) / 1e3;
-  const [x, y, long] = [14, view.height - 14, metres * view.scale];
+  const [x, y, long] = [14, view.height - 7, metres * view.scale];
   paint.strokeStyle = paint.fillStyle = colours.ink;
   paint.lineWidth = 2;
   paint.beginPath();

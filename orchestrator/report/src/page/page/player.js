@@ -87,12 +87,26 @@ eventsCanvas.addEventListener('pointermove', (event) => {
 });
 eventsCanvas.addEventListener('pointerleave', () => { hovered = null; clock.redraw(); });
 
-new ResizeObserver(refresh).observe($('map-box'));
+const resized = new ResizeObserver(refresh);
+resized.observe($('map-box'));
+if (before) {
+  Object.assign(view, before.view);
+  Object.assign(player, { followed: before.followed, trail: before.trail });
+  $('follow').value = String(player.followed);
+  $('trail').value = player.trail === Infinity ? 'all' : String(player.trail);
+  $('scenario-box').open = before.isScenarioOpen;
+}
 $('loading').hidden = true;
 
 return {
   end, opening, markerTimes, refresh, zoom, showAll,
   draw: (t) => player.draw(t),
+  close: () => resized.disconnect(),
+  /** What the reader has set, for the viewer of newer data. */
+  settings: () => ({
+    view, chosen, followed: player.followed, trail: player.trail, isScenarioOpen: $('scenario-box').open,
+    hidden: plots.flatMap(({ title, curves }) => curves.filter(({ on }) => !on).map(({ name }) => `${title} ${name}`)),
+  }),
   sharedMarkers, plots,
   /** Shows time line and curves of both runs once, in parts of the page; `other` is the other run. */
   share(other, timeline, curves) {
@@ -109,7 +123,7 @@ return {
   /** Time of the state this many states after that at a time (s). */
   frameTime: (t, by) => lists.time[Math.min(frames - 1, Math.max(0, frameAt(t) + by))] / 1e4,
   open: {
-    outcome: facts.outcome, digest: facts.digest, missing: facts.missing, frames, raster, facts, root,
+    outcome: facts.outcome, digest: facts.digest, missing: facts.missing, frames, raster, facts, root, view,
     /** The last state of the world up to a time (s). */
     at(t) {
       const frame = frameAt(t);

@@ -30,10 +30,10 @@ for (const { title, unit, steps, curves } of facts.plots) {
     const dash = element('span', { className: 'dash' });
     const label = element('span');
     button.append(dash, label);
-    button.setAttribute('aria-pressed', 'true');
     // What each run of the page has of it.
     const ofRun = { time: lists[`curve.${list}.time`], values, colour: () => curveColour({ robot, method, i }) };
-    const curve = { name, on: true, button, label, dash, runs: [ofRun] };
+    const curve = { name, on: !before?.hidden.includes(`${title} ${name}`), button, label, dash, runs: [ofRun] };
+    button.setAttribute('aria-pressed', String(curve.on));
     button.addEventListener('click', () => {
       curve.on = !curve.on;
       button.setAttribute('aria-pressed', String(curve.on));
@@ -105,7 +105,8 @@ function drawPlotPicture(plot) {
   ctx.font = '12px system-ui, sans-serif';
   ctx.textBaseline = 'middle';
   ctx.lineWidth = 1;
-  for (const value of axisSteps(least, most, 4)) {
+  // Numbers of things are whole.
+  for (const value of axisSteps(least, most, 4).filter((step) => plot.unit || Number.isInteger(step))) {
     ctx.strokeStyle = colours.line;
     ctx.beginPath(); ctx.moveTo(PAD.left, y(value)); ctx.lineTo(canvas.clientWidth - PAD.right, y(value)); ctx.stroke();
     ctx.fillStyle = colours.faint;

@@ -1,16 +1,33 @@
 // Start: the runs of the page, its controls and keys, and the interface for tests.
 
-const sources = [...document.querySelectorAll('script.facts')].map((script) => {
+const sources = await Promise.all(scripts.map(async (script) => {
   const packed = script.nextElementSibling;
-  const source = { facts: JSON.parse(script.textContent), packed: packed.textContent };
+  const source = { facts: JSON.parse(script.textContent), data: await unpack(packed.textContent) };
   packed.remove();
   return source;
-});
+}));
+document.body.classList.toggle('live', isLive);
+if (isLive) {
+  live.read();
+  try {
+    sources.push(await live.next());
+  } catch (error) {
+    sayLive(error.message);
+    return;
+  }
+}
 const isPair = sources.length > 1;
 const compared = control('compared');
 if (compared) clock.difference = showDifference(JSON.parse(compared.textContent));
 document.body.classList.toggle('pair', isPair);
-for (const { facts, packed } of sources) {
+
+/** Shows a run; newer data in place of the old ones. */
+function mount(facts, data) {
+  const [shown] = isLive ? clock.viewers : [];
+  const before = shown?.settings();
+  const focused = document.activeElement?.id;
+  shown?.close();
+  if (isLive) control('runs').replaceChildren();
   const host = element('div', { className: 'run' });
   control('runs').append(host);
   let root = document;
@@ -20,10 +37,20 @@ for (const { facts, packed } of sources) {
     root.append(control('style').cloneNode(true), control('viewer').content.cloneNode(true));
   } else {
     host.append(control('viewer').content.cloneNode(true));
-    control('bar').prepend(control('controls'));
+    // Those of a running mission stay where they are while the rest is replaced.
+    if (!isLive) control('bar').prepend(control('controls'));
   }
-  clock.viewers.push(await viewer(root, facts, packed));
+  const run = viewer(root, facts, data, before);
+  if (!shown) {
+    clock.viewers.push(run);
+    return;
+  }
+  clock.viewers = [run];
+  Object.assign(window.protean, run.open);
+  if (!document.activeElement?.id && focused) control(focused)?.focus({ preventScroll: true });
+  run.refresh();
 }
+for (const { facts, data } of sources) mount(facts, data);
 if (isPair) {
   const [first, second] = clock.viewers;
   const hosts = ['timeline', 'curves'].map(control);
@@ -41,6 +68,7 @@ control('previous').addEventListener('click', () => clock.toEvent(-1));
 control('next').addEventListener('click', () => clock.toEvent(1));
 control('scrub').addEventListener('input', () => clock.seek(Number(control('scrub').value)));
 control('speed').addEventListener('change', () => clock.setSpeed(Number(control('speed').value)));
+control('live').addEventListener('click', () => clock.follow());
 control('help').addEventListener('click', () => control('keys').showModal());
 window.addEventListener('hashchange', () => { if (clock.addressed() >= 0) clock.seek(clock.addressed()); });
 
@@ -54,7 +82,8 @@ const KEYS = {
   Home: () => clock.seek(0), End: () => clock.seek(clock.end),
   '+': all((run) => run.zoom(1.4)), '=': all((run) => run.zoom(1.4)), '-': all((run) => run.zoom(1 / 1.4)),
   0: all((run) => run.showAll()),
-  n: () => clock.toEvent(1), p: () => clock.toEvent(-1),
+  n: () => clock.toEvent(1), p: () => clock.toEvent(-1), ']': () => clock.toEvent(1), '[': () => clock.toEvent(-1),
+  l: () => { if (clock.isRunning) clock.follow(); },
   f: all((run) => run.followNext()),
   '?': () => control('keys').showModal(),
 };
@@ -79,15 +108,22 @@ window.addEventListener('scroll', () => clock.redraw(), { passive: true });
 /** Interface for tests and the browser console. */
 window.protean = {
   ...clock.viewers[0].open,
-  runs: clock.viewers.map((run) => run.open),
-  end_s: clock.end,
+  get runs() { return clock.viewers.map((run) => run.open); },
+  get end_s() { return clock.end; },
+  get follows() { return clock.follows; },
+  get isRunning() { return clock.isRunning; },
   seek: (t) => clock.seek(t), play: () => clock.play(), pause: () => clock.pause(),
   toEvent: (direction) => clock.toEvent(direction),
   get t() { return clock.t; },
   get playing() { return clock.playing; },
   get drawn() { return clock.drawn; },
 };
-clock.t = Math.min(clock.end, clock.addressed() >= 0 ? clock.addressed() : Math.min(...clock.viewers.map((run) => run.opening)));
+if (isLive) {
+  control('live').hidden = false;
+  clock.grow(clock.end, sources[0].facts.live);
+  if (clock.isRunning) clock.follow();
+  showLive(sources[0].facts.live.ended);
+} else clock.t = Math.min(clock.end, clock.addressed() >= 0 ? clock.addressed() : Math.min(...clock.viewers.map((run) => run.opening)));
 refreshAll();
 clock.draw();
 document.documentElement.dataset.ready = 'yes';

@@ -17,7 +17,7 @@ function card(title, content) {
 
 $('title').textContent = facts.title || facts.scenario || 'Mission';
 $('source').textContent = [facts.scenario, facts.seed && `seed ${facts.seed}`].filter(Boolean).join(', ');
-$('result').textContent = facts.result;
+$('result').textContent = facts.live && !facts.over ? '' : facts.result;
 $('caption').textContent = facts.description.trim();
 if (facts.missing.length) {
   $('missing').hidden = false;
@@ -33,7 +33,7 @@ if (facts.outcome.length) {
   const colourOf = (robot) => (facts.robots[robot] ? `var(--${roleOf(robot)}-${places[robot] % 4})` : 'var(--ink)');
   const rows = facts.outcome.map((r, robot) => ({ ...r, named: named(r.name, colourOf(robot)) }));
   $('outcome').append(table(['robot', 'outcome', 'time [s]', 'driven [m]', 'contacts'],
-    rows.map((r) => [r.named, words(r.outcome), timeText(r.time_s), r.distance_m.toFixed(2), r.contacts]), [0, 1]));
+    rows.map((r) => [r.named, r.outcome === 'active' && facts.over ? 'to the end' : words(r.outcome), timeText(r.time_s), r.distance_m.toFixed(2), r.contacts]), [0, 1]));
   const judged = rows.filter((r) => r.escape_possible_fraction !== undefined);
   if (judged.length) {
     $('outcome').append(table(['verdicts of the referee', 'escape possible', 'impossible from [s]'], judged.map((r) => [
@@ -49,10 +49,10 @@ const describe = (name, text) => {
 };
 describe('scenario', facts.scenario);
 describe('seed', facts.seed);
-describe('simulated', `${timeText(facts.end_s)} s in ticks of ${+facts.tick_period_s.toPrecision(6)} s${facts.over ? '' : ' (not to its end)'}`);
+describe('simulated', `${timeText(facts.end_s)} s in ticks of ${+facts.tick_period_s.toPrecision(6)} s${facts.over ? '' : facts.live ? ' so far' : ' (not to its end)'}`);
 for (const b of facts.branches || []) describe('branch', `of ${b.parent} from ${timeText(b.at_s)} s on, with ${JSON.stringify(b.change)}`);
 describe('mode', facts.mode && words(facts.mode));
-describe('digest', facts.digest || (facts.run_digest ? `of the whole run: ${facts.run_digest}` : 'not in the log'));
+describe('digest', facts.digest || (facts.run_digest ? `of the whole run: ${facts.run_digest}` : facts.live ? 'at the end of the run' : 'not in the log'));
 describe('version', facts.version);
 describe('machine', facts.machine);
 describe('messages', facts.messages);
@@ -101,9 +101,9 @@ function swatch(colour, className) {
   return made;
 }
 for (const layer of LAYERS) {
-  const box = element('input', { type: 'checkbox', checked: layer.on, id: `layer-${layer.id}` });
+  const box = element('input', { type: 'checkbox', checked: shown[layer.id], id: `layer-${layer.id}` });
   const label = element('label', {}, box, ...(layer.colour ? [swatch(layer.colour, 'swatch')] : []), layer.text);
-  box.addEventListener('change', () => { shown[layer.id] = box.checked; clock.redraw(); });
+  box.addEventListener('change', () => { chosen[layer.id] = shown[layer.id] = box.checked; clock.redraw(); });
   const parts = (layer.parts || []).map(([colour, text]) => element('span', {}, swatch(colour, 'dash'), text));
   $('layers').append(element('li', {}, label, ...(parts.length ? [element('div', { className: 'legend' }, ...parts)] : [])));
 }

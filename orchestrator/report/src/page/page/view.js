@@ -45,7 +45,7 @@ function fitView() {
   const { min, max } = facts.ground;
   view.x = (min[0] + max[0]) / 2;
   view.y = (min[1] + max[1]) / 2;
-  const margin = 28;
+  const margin = 14;
   view.scale = Math.max(1e-3, Math.min((view.width - 2 * margin) / (max[0] - min[0]), (view.height - 2 * margin) / (max[1] - min[1])));
 }
 
@@ -57,6 +57,13 @@ function resizeView() {
   view.width = map.clientWidth;
   view.height = map.clientHeight;
   if (fits) { fitView(); view.fitted = true; }
+}
+
+/** The map has the shape of the world, within limits. */
+{
+  const { min, max } = facts.ground;
+  const shape = (max[0] - min[0]) / (max[1] - min[1]);
+  $('stage').parentElement.style.setProperty('--shape', String(Math.min(2.4, Math.max(0.8, shape || 1))));
 }
 
 const toScreen = (x, y) => [view.width / 2 + (x - view.x) * view.scale, view.height / 2 - (y - view.y) * view.scale];
