@@ -1,5 +1,7 @@
 //! Definition and CDR form of a ROS 2 message, both from one description of its fields.
 
+use crate::decoding::{CdrError, CdrReader};
+
 /// Little-endian plain CDR.
 const ENCAPSULATION: [u8; 4] = [0, 1, 0, 0];
 
@@ -45,6 +47,14 @@ pub trait RosType {
             value.write(out);
         }
     }
+
+    /// Reads a value.
+    ///
+    /// # Errors
+    /// The bytes are not those of a value: [`CdrError`].
+    fn read(input: &mut CdrReader<'_>) -> Result<Self, CdrError>
+    where
+        Self: Sized;
 
     /// Adds the definition of a message and of all messages in it, in this order.
     fn define(_: &mut Definitions) {}
@@ -109,6 +119,11 @@ macro_rules! ros_messages {
                 $(self.$field.write(out);)*
             }
 
+            fn read(input: &mut $crate::CdrReader<'_>) -> Result<Self, $crate::CdrError> {
+                // In the order in which they are written here, which is that of the definition.
+                Ok(Self { $($field: $crate::RosType::read(input)?),* })
+            }
+
             fn define(all: &mut $crate::Definitions) {
                 $crate::add_definition(
                     Self::name(),
@@ -132,6 +147,10 @@ macro_rules! numbers {
             fn write(&self, out: &mut CdrWriter<'_>) {
                 out.number(self.to_le_bytes());
             }
+
+            fn read(input: &mut CdrReader<'_>) -> Result<Self, CdrError> {
+                Ok(Self::from_le_bytes(input.number()?))
+            }
         }
     )* };
 }
@@ -152,6 +171,11 @@ impl RosType for u8 {
         out.out.push(*self);
     }
 
+    fn read(input: &mut CdrReader<'_>) -> Result<Self, CdrError> {
+        let [byte] = input.number()?;
+        Ok(byte)
+    }
+
     fn write_all(values: &[Self], out: &mut CdrWriter<'_>) {
         out.out.extend_from_slice(values);
     }
@@ -165,6 +189,10 @@ impl RosType for bool {
     fn write(&self, out: &mut CdrWriter<'_>) {
         out.out.push(u8::from(*self));
     }
+
+    fn read(input: &mut CdrReader<'_>) -> Result<Self, CdrError> {
+        Ok(u8::read(input)? != 0)
+    }
 }
 
 impl RosType for String {
@@ -177,6 +205,13 @@ impl RosType for String {
         out.out.extend_from_slice(self.as_bytes());
         out.out.push(0);
     }
+
+    fn read(input: &mut CdrReader<'_>) -> Result<Self, CdrError> {
+        let length = u32::read(input)?;
+        let bytes = input.take(length as usize)?;
+        let bytes = bytes.strip_suffix(&[0]).unwrap_or(bytes);
+        String::from_utf8(bytes.to_vec()).map_err(|_| CdrError::Text)
+    }
 }
 
 impl<T: RosType> RosType for Vec<T> {
@@ -187,6 +222,11 @@ impl<T: RosType> RosType for Vec<T> {
     fn write(&self, out: &mut CdrWriter<'_>) {
         out.length(self.len());
         T::write_all(self, out);
+    }
+
+    fn read(input: &mut CdrReader<'_>) -> Result<Self, CdrError> {
+        let count = input.count()?;
+        (0..count).map(|_| T::read(input)).collect()
     }
 
     fn define(all: &mut Definitions) {
@@ -202,6 +242,14 @@ impl RosType for [[f64; 6]; 6] {
 
     fn write(&self, out: &mut CdrWriter<'_>) {
         f64::write_all(self.as_flattened(), out);
+    }
+
+    fn read(input: &mut CdrReader<'_>) -> Result<Self, CdrError> {
+        let mut values = Self::default();
+        for value in values.as_flattened_mut() {
+            *value = f64::read(input)?;
+        }
+        Ok(values)
     }
 }
 

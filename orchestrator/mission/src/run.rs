@@ -94,7 +94,7 @@ pub fn run(
         path: options.out.as_deref(),
         force: options.force,
         quiet: options.quiet,
-        lineage: None,
+        source: None,
     });
     let recording = recording::create(scenario, &resources.plan, log, Arc::default(), mirror)?;
     let progress = Progress::new(scenario.world.rules.time_limit, options.quiet);
