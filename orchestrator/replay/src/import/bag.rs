@@ -281,15 +281,6 @@ impl Bag {
         Ok(())
     }
 
-    /// Returns the first of these topics that has messages.
-    pub fn first<'b, T>(
-        &self,
-        all: &'b BTreeMap<String, T>,
-        topics: &[String],
-    ) -> Option<(&'b String, &'b T)> {
-        topics.iter().find_map(|topic| all.get_key_value(topic))
-    }
-
     /// Returns `true` if messages of a topic were read.
     pub fn has_messages(&self, topic: &str) -> bool {
         self.odometry.contains_key(topic)

@@ -8,22 +8,30 @@ mod error;
 mod frames;
 mod samples;
 
+#[cfg(test)]
+mod tests;
+
 use std::collections::BTreeMap;
+use std::iter::StepBy;
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use geometry::map::MapSpec;
 use geometry::math::wrap_angle;
 use geometry::pose::{Pose2, Twist2};
 use mcap_log::{Origin, ReadProgress};
+use mission::MissionReport;
 use mission::in_process::{self, InProcessOptions, Track};
-use mission::{MissionError, MissionReport};
+use robot::spec::{RobotSpec, ScanSpec};
 use scenario::files::Base;
 use scenario::kind::Kind;
 use scenario::{Loader, ResolvedScenario};
 use serde::Serialize;
 
-use self::bag::{Bag, MessageType};
+use self::bag::{Bag, MessageType, namespace};
 pub use self::error::{ImportError, MessageFault};
+use self::frames::Frames;
 use self::samples::Samples;
 
 /// Options of an import.
@@ -124,13 +132,21 @@ struct Recorded<'b> {
     scan: Option<(&'b String, &'b Samples<Arc<[f32]>>)>,
 }
 
+impl Recorded<'_> {
+    /// The times of the first and last message of its topics (ns).
+    fn spans(&self) -> impl Iterator<Item = (i64, i64)> {
+        let scan = self.scan.map(|(_, scan)| scan.span());
+        [Some(self.odometry.1.span()), scan].into_iter().flatten()
+    }
+}
+
 /// Runs a scenario with its robots where a bag has them; returns the scenario of the run, too. Libraries that it names are
 /// loaded.
 ///
 /// # Errors
 /// [`ImportError`]: the bag is unreadable, lacks the robots, or does not fit the scenario; or the run fails.
 pub fn import(
-    bag_path: &Path,
+    path: &Path,
     scenario: &ResolvedScenario,
     kinds: &[Kind],
     options: &ImportOptions,
@@ -138,186 +154,198 @@ pub fn import(
 ) -> Result<(ResolvedScenario, ImportReport, MissionReport), ImportError> {
     let names = Names::new(scenario, &options.topics)?;
     let robots = &scenario.world.robots;
+    let of = |robot: &RobotSpec, last: &str| names.of(&format!("{}/{last}", robot.name));
     let mut wanted = BTreeMap::new();
-    let mut want =
-        |name: &str, of| wanted.extend(names.of(name).into_iter().map(|name| (name, of)));
-    want("map", MessageType::Map);
+    let mut want = |names: Vec<String>, of| wanted.extend(names.into_iter().map(|name| (name, of)));
+    want(names.of("map"), MessageType::Map);
     for robot in robots {
-        want(&format!("{}/odom", robot.name), MessageType::Odometry);
-        want(&format!("{}/scan", robot.name), MessageType::Scan);
+        want(of(robot, "odom"), MessageType::Odometry);
+        want(of(robot, "scan"), MessageType::Scan);
     }
-    let bag = Bag::read(bag_path, &wanted, watch)?;
-    let mut recorded = Vec::new();
-    for (index, robot) in robots.iter().enumerate() {
-        let odometry = bag.first(&bag.odometry, &names.of(&format!("{}/odom", robot.name)));
-        let scan = bag.first(&bag.scans, &names.of(&format!("{}/scan", robot.name)));
-        recorded.extend(odometry.map(|odometry| Recorded {
+    let bag = Bag::read(path, &wanted, watch)?;
+    let recorded = robots.iter().enumerate().filter_map(|(index, robot)| {
+        Some(Recorded {
             robot: index,
-            odometry,
-            scan,
-        }));
-    }
-    let missing = names.given.values().find(|topic| !bag.has_messages(topic));
-    if recorded.is_empty() || missing.is_some() {
-        let odometry = || {
-            robots
-                .iter()
-                .flat_map(|robot| names.of(&format!("{}/odom", robot.name)))
-        };
+            odometry: first(&bag.odometry, &of(robot, "odom"))?,
+            scan: first(&bag.scans, &of(robot, "scan")),
+        })
+    });
+    let recorded: Vec<Recorded<'_>> = recorded.collect();
+    let unread = names.given.values().find(|topic| !bag.has_messages(topic));
+    if recorded.is_empty() || unread.is_some() {
+        let odometry = || robots.iter().flat_map(|robot| of(robot, "odom"));
+        let wanted = unread.map_or_else(|| odometry().collect(), |topic| vec![(*topic).to_owned()]);
         return Err(ImportError::Missing {
-            bag: bag_path.to_owned(),
-            wanted: missing.map_or_else(
-                || odometry().collect::<Vec<_>>().join(", "),
-                |topic| (*topic).to_owned(),
-            ),
+            bag: path.to_owned(),
+            wanted: wanted.join(", "),
             known: bag.known(),
         });
     }
-    let map = bag.first(&bag.maps, &names.of("map"));
-    let in_map = map.map_or("map", |(_, (frame, _))| frame);
-
-    // All topics have messages from the first tick to the last.
-    let spans = recorded.iter().flat_map(|it| {
-        [
-            Some(it.odometry.1.span()),
-            it.scan.map(|(_, scan)| scan.span()),
-        ]
-    });
-    let (start, end) = spans.flatten().fold((i64::MIN, i64::MAX), |all, span| {
+    let spans = recorded.iter().flat_map(Recorded::spans);
+    let (start, end) = spans.fold((i64::MIN, i64::MAX), |all, span| {
         (all.0.max(span.0), all.1.min(span.1))
     });
     let period = ((scenario.run.dt * 1e9).round() as i64).max(1);
     if end < start {
         return Err(ImportError::Apart {
-            bag: bag_path.to_owned(),
+            bag: path.to_owned(),
         });
     }
-    let ticks = || (start..=end).step_by(period as usize);
-
     let mut changed = scenario.clone();
+    let map = first(&bag.maps, &names.of("map"));
     if let Some((_, (_, cells))) = map {
-        changed.world.map = geometry::map::MapSpec::Cells(cells.clone());
+        changed.world.map = MapSpec::Cells(cells.clone());
     }
-    let (mut remarks, mut tracks, mut imported) = (Vec::new(), Vec::new(), Vec::new());
-    for Recorded {
-        robot,
-        odometry: (topic, odometry),
-        scan,
-    } in recorded
-    {
-        let Some(spec) = changed.world.robots.get_mut(robot) else {
-            continue;
-        };
-        let namespace = bag::namespace(topic);
-        let place = |frame: &str, within: &str, at: i64| {
-            let found = bag.frames.place(namespace, frame, within, at);
-            found.map_err(|frame| ImportError::Tilted {
-                bag: bag_path.to_owned(),
-                frame,
-            })
-        };
-        let mut topics = BTreeMap::new();
-        let mut at_ticks = Vec::new();
-        let sampled =
-            odometry.at_ticks(ticks(), options.max_age_s, (bag_path, topic), &mut at_ticks)?;
-        topics.insert("odom", sampled);
+    let mut following = Following {
+        path,
+        frames: &bag.frames,
+        map: map.map_or("map", |(_, (frame, _))| frame),
+        ticks: (start..=end).step_by(period as usize),
+        max_age_s: options.max_age_s,
+        remarks: Vec::new(),
+    };
+    let (mut tracks, mut imported) = (Vec::new(), Vec::new());
+    for recorded in &recorded {
+        if let Some(spec) = changed.world.robots.get_mut(recorded.robot) {
+            let (track, topics) = following.follow(recorded, spec)?;
+            tracks.push(track);
+            imported.push(ImportedRobot {
+                robot: spec.name.clone(),
+                topics,
+            });
+        }
+    }
+    let is_imported = |robot: &&RobotSpec| imported.iter().any(|it| it.robot == robot.name);
+    let simulated = robots.iter().filter(|robot| !is_imported(robot));
+    let report = ImportReport {
+        bag: path.to_owned(),
+        start_s: start as f64 / 1e9,
+        last_tick: ((end - start) / period) as u64,
+        map: map.map(|(topic, _)| topic.clone()),
+        simulated: simulated.map(|robot| robot.name.clone()).collect(),
+        robots: imported,
+        remarks: following.remarks,
+        faults: bag.faults,
+    };
+    let text = changed.to_toml();
+    let fitted = Loader::new(kinds).load_text("scenario.toml", &text, &Base::Nothing, &[], None);
+    let fitted = fitted.map_err(|problems| ImportError::Scenario {
+        bag: path.to_owned(),
+        problems,
+    })?;
+    let options = InProcessOptions {
+        out: Some(options.out.clone()),
+        force: options.force,
+        show: !watch.quiet,
+        last_tick: Some(report.last_tick),
+        interrupted: Arc::clone(&watch.interrupted),
+        libraries: true,
+        tracks,
+        source: Some((Origin::IMPORTED, path.display().to_string())),
+        ..InProcessOptions::default()
+    };
+    let run = in_process::run(&fitted, &options);
+    let run = run.map_err(|error| ImportError::Run(Box::new(error)))?;
+    Ok((fitted, report, run))
+}
+
+/// Returns the first of these topics that has messages.
+fn first<'b, T>(all: &'b BTreeMap<String, T>, topics: &[String]) -> Option<(&'b String, &'b T)> {
+    topics.iter().find_map(|topic| all.get_key_value(topic))
+}
+
+/// Makes robots follow their messages.
+struct Following<'a> {
+    path: &'a Path,
+    frames: &'a Frames,
+    /// Frame of the map.
+    map: &'a str,
+    /// Times of the ticks (ns).
+    ticks: StepBy<RangeInclusive<i64>>,
+    max_age_s: f64,
+    remarks: Vec<String>,
+}
+
+impl Following<'_> {
+    /// Returns what a robot does, and its topics; gives it its start and its scanner.
+    fn follow(
+        &mut self,
+        recorded: &Recorded<'_>,
+        spec: &mut RobotSpec,
+    ) -> Result<(Track, BTreeMap<&'static str, ImportedTopic>), ImportError> {
+        let (topic, odometry) = recorded.odometry;
+        let namespace = namespace(topic);
         let mut track = Track {
-            robot,
+            robot: recorded.robot,
             ..Track::default()
         };
+        let (found, used) =
+            odometry.at_ticks(self.ticks.clone(), self.max_age_s, (self.path, topic))?;
+        let mut topics = BTreeMap::from([("odom", used)]);
         let mut is_placed = true;
-        for (at, (pose, twist)) in at_ticks {
-            let frame = place(&odometry.frame, in_map, *at)?;
+        for (at, (pose, twist)) in found {
+            let frame = self.place(namespace, &odometry.frame, self.map, *at)?;
             is_placed &= frame.is_some();
             track
                 .poses
                 .push((frame.unwrap_or_default().placed(pose), *twist));
         }
-        let mut unplaced = |frame: &str, within: &str| {
-            remarks.push(format!(
-                "{}: no transform from {frame} to {within} in the bag: taken as the same",
+        if !is_placed {
+            self.take_as_same(spec, &odometry.frame, self.map);
+        }
+        if let Some((start, _)) = track.poses.first() {
+            spec.start = *start;
+        }
+        let Some((topic, scan)) = recorded.scan else {
+            return Ok((track, topics));
+        };
+        let (found, used) =
+            scan.at_ticks(self.ticks.clone(), self.max_age_s, (self.path, topic))?;
+        topics.insert("scan", used);
+        track.scans = found
+            .into_iter()
+            .map(|(_, ranges)| Arc::clone(ranges))
+            .collect();
+        let mount = self.place(namespace, &scan.frame, &odometry.child, scan.span().0)?;
+        if mount.is_none() {
+            self.take_as_same(spec, &scan.frame, &odometry.child);
+        }
+        let mount = mount.unwrap_or_default();
+        let offset = mount.position().coords.norm();
+        if offset > 0.0 {
+            self.remarks.push(format!(
+                "{}: its scanner is {offset:.3} m off its centre, from where scans are taken here",
                 spec.name
             ));
-        };
-        if !is_placed {
-            unplaced(&odometry.frame, in_map);
         }
-        if let Some((topic, scan)) = scan {
-            let mut at_ticks = Vec::new();
-            topics.insert(
-                "scan",
-                scan.at_ticks(ticks(), options.max_age_s, (bag_path, topic), &mut at_ticks)?,
-            );
-            track.scans = at_ticks
-                .into_iter()
-                .map(|(_, ranges)| Arc::clone(ranges))
-                .collect();
-            let mount = place(&scan.frame, &odometry.child, start)?;
-            if mount.is_none() {
-                unplaced(&scan.frame, &odometry.child);
-            }
-            let mount = mount.unwrap_or_default();
-            let offset = mount.position().coords.norm();
-            if offset > 0.0 {
-                remarks.push(format!(
-                    "{}: its scanner is {offset:.3} m off its centre, where scans of a run are taken", spec.name
-                ));
-            }
-            spec.scan = scan.scanner.map(|mut scanner| {
-                if mount.theta != 0.0 {
-                    scanner.angle_min = wrap_angle(scanner.angle_min + mount.theta);
-                }
-                scanner
-            });
-        }
-        if let Some((pose, _)) = track.poses.first() {
-            spec.start = *pose;
-        }
-        imported.push(ImportedRobot {
-            robot: spec.name.clone(),
-            topics,
+        spec.scan = scan.scanner.map(|scanner| ScanSpec {
+            angle_min: match mount.theta {
+                0.0 => scanner.angle_min,
+                turn => wrap_angle(scanner.angle_min + turn),
+            },
+            ..scanner
         });
-        tracks.push(track);
+        Ok((track, topics))
     }
-    let fitted = Loader::new(kinds).load_text(
-        "scenario.toml",
-        &changed.to_toml(),
-        &Base::Nothing,
-        &[],
-        None,
-    );
-    let fitted = fitted.map_err(|problems| ImportError::Scenario {
-        bag: bag_path.to_owned(),
-        problems,
-    })?;
-    let report = ImportReport {
-        bag: bag_path.to_owned(),
-        start_s: start as f64 / 1e9,
-        last_tick: ((end - start) / period) as u64,
-        map: map.map(|(topic, _)| topic.clone()),
-        simulated: robots
-            .iter()
-            .map(|robot| robot.name.clone())
-            .filter(|name| imported.iter().all(|it| it.robot != *name))
-            .collect(),
-        robots: imported,
-        remarks,
-        faults: bag.faults,
-    };
-    let run = in_process::run(
-        &fitted,
-        &InProcessOptions {
-            out: Some(options.out.clone()),
-            force: options.force,
-            show: !watch.quiet,
-            last_tick: Some(report.last_tick),
-            interrupted: Arc::clone(&watch.interrupted),
-            libraries: true,
-            tracks,
-            source: Some((Origin::IMPORTED, bag_path.display().to_string())),
-            ..InProcessOptions::default()
-        },
-    );
-    let run = run.map_err(|error: MissionError| ImportError::Run(error.into()))?;
-    Ok((fitted, report, run))
+
+    fn place(
+        &self,
+        namespace: &str,
+        frame: &str,
+        within: &str,
+        at: i64,
+    ) -> Result<Option<Pose2>, ImportError> {
+        let found = self.frames.place(namespace, frame, within, at);
+        found.map_err(|frame| ImportError::Tilted {
+            bag: self.path.to_owned(),
+            frame,
+        })
+    }
+
+    fn take_as_same(&mut self, robot: &RobotSpec, frame: &str, within: &str) {
+        self.remarks.push(format!(
+            "{}: no transform from {frame} to {within} in the bag: taken as the same",
+            robot.name
+        ));
+    }
 }

@@ -32,18 +32,17 @@ impl<T> Samples<T> {
         (at(self.list.first()), at(self.list.last()))
     }
 
-    /// Adds the message nearest to each tick (ns) to `out`; `place` is the path of the bag and the topic.
+    /// Returns the message nearest to each tick (ns), with its time; the last argument are the bag and the topic.
     ///
     /// # Errors
     /// [`ImportError::Gap`].
-    pub fn at_ticks<'s>(
-        &'s self,
+    pub fn at_ticks(
+        &self,
         ticks: impl Iterator<Item = i64>,
         max_age_s: f64,
         (bag, topic): (&Path, &str),
-        out: &mut Vec<&'s (i64, T)>,
-    ) -> Result<ImportedTopic, ImportError> {
-        let mut largest = 0;
+    ) -> Result<(Vec<&(i64, T)>, ImportedTopic), ImportError> {
+        let (mut out, mut largest) = (Vec::new(), 0);
         for tick in ticks {
             let after = self.list.partition_point(|(at, _)| *at < tick);
             let near = self
@@ -70,10 +69,11 @@ impl<T> Samples<T> {
             largest = largest.max(age);
             out.push(nearest);
         }
-        Ok(ImportedTopic {
+        let used = ImportedTopic {
             topic: topic.to_owned(),
             messages: self.list.len(),
             max_age_s: largest as f64 / 1e9,
-        })
+        };
+        Ok((out, used))
     }
 }
