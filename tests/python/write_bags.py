@@ -142,7 +142,7 @@ def write_field(path, plugin=StoragePlugin.MCAP, cut=None):
                     scan_time=0.1,
                     range_min=0.125,
                     range_max=8.0,
-                    ranges=np.array(ranges + [tick / 100] * 2, dtype=np.float32),
+                    ranges=np.array(ranges + [1 + tick / 100], dtype=np.float32),
                     intensities=np.zeros(0, dtype=np.float32),
                 )
                 bag.write("/scan", at_ns, scan)

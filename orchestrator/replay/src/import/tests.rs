@@ -97,8 +97,8 @@ fn invalid_messages_are_named_with_file_topic_number_and_expectation() {
     };
     assert_eq!(
         refused(read(&[scan(3), scan(2)], MessageType::Scan)),
-        "BAG/bag.mcap: /topic, message 2: its scan has 2 beams from -1.5 rad on: expected 3 beams from -1.5 rad on, as the \
-         first message"
+        "BAG/bag.mcap: /topic, message 2: its scan has 2 beams from -1.5 rad on: expected 3 from -1.5 rad on, as the first \
+         message"
     );
     let mut map = OccupancyGrid {
         header: header("map"),
