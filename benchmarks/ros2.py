@@ -26,8 +26,6 @@ title = "Six robots that a node of ROS 2 steers"
 description = "They drive in circles."
 [world.map.vector]
 bounds = { min = [-20.0, -20.0], max = [20.0, 20.0] }
-[rules]
-time_limit = 20.0
 [[robots]]
 name = "robot"
 team = "neutral"
@@ -76,7 +74,8 @@ def main():
     parser.add_argument("--seeds", type=int, default=20)
     parser.add_argument("--runs", type=int, default=2)
     parser.add_argument("--hogs", type=int, default=3)
-    parser.add_argument("--seconds", type=float, default=60.0, help="length of the run in real time")
+    parser.add_argument("--length", type=float, default=20.0, help="length of the runs in lock-step (s)")
+    parser.add_argument("--seconds", type=float, default=60.0, help="length of the run in real time (s)")
     args = parser.parse_args()
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
@@ -87,7 +86,7 @@ def main():
                 factors = []
                 for seed in range(1, args.seeds + 1):
                     for _ in range(args.runs):
-                        summary = run(args, folder, "timer", "--seed", str(seed))
+                        summary = run(args, folder, "timer", "--seed", str(seed), "--set", f"rules.time_limit={args.length}")
                         digests[seed].add(summary["digest"])
                         factors.append(summary["real_time_factor"])
                 low, middle, high = min(factors), statistics.median(factors), max(factors)

@@ -81,11 +81,8 @@ fn robots_of_bags_are_where_they_were_and_processes_are_tested_on_them() {
         sandbox.protean(["import", bag, "field.toml", "--out", out])
     };
     let field = import("field", "field.mcap").json();
-    assert_eq!(field["import"]["map"], "/map");
-    assert_eq!(
-        field["import"]["robots"][0]["topics"]["scan"]["messages"],
-        51
-    );
+    let topics = serde_json::json!({"map": ["/map", 2], "robot/odom": ["/odom", 101], "robot/scan": ["/scan", 51]});
+    assert_eq!(field["import"]["topics"], topics);
     let log = History::read(&sandbox.path().join("field.mcap"));
     assert_eq!(log.states.len(), poses.len());
     for (state, [x, y, theta]) in log.states.iter().zip(&poses) {
@@ -153,17 +150,21 @@ fn robots_of_bags_are_where_they_were_and_processes_are_tested_on_them() {
         ],
         &[],
     );
-    refused("none", &["none: no file of a bag: expected FILE.mcap"], &[]);
+    refused(
+        "none",
+        &["none: cannot be read: no FILE.mcap of a bag"],
+        &[],
+    );
     refused("nowhere", &["nowhere: cannot be read"], &[]);
     refused(
         "cut",
-        &["cut.mcap: /odom, message 3: it ends in the middle of its fields"],
+        &["cut.mcap: /odom, message 3: it has not the fields of its type"],
         &[],
     );
     refused(
         "team",
         &[
-            "team: no message of /robot/odom, /odom: expected",
+            "team: no message of /odom, /robot/odom: expected",
             "--topic NAME=TOPIC",
             "/police_1/odom (nav_msgs/msg/Odometry)",
         ],
@@ -183,7 +184,7 @@ fn robots_of_bags_are_where_they_were_and_processes_are_tested_on_them() {
     );
     refused(
         "field",
-        &["--topic odom=/x: expected NAME=TOPIC with NAME one of robot/odom, robot/scan, map"],
+        &["--topic odom=/x: expected NAME=TOPIC with NAME one of map, robot/odom, robot/scan"],
         &["--topic", "odom=/x"],
     );
     refused(
@@ -200,8 +201,11 @@ fn robots_of_bags_are_where_they_were_and_processes_are_tested_on_them() {
         .json();
     let named = &named["import"];
     assert_eq!(
-        (&named["map"], &named["remarks"]),
-        (&Json::Null, &serde_json::json!([])),
+        (&named["topics"], &named["remarks"]),
+        (
+            &serde_json::json!({"robot/odom": ["/police_1/odom", 121]}),
+            &serde_json::json!([])
+        ),
         "{named}"
     );
 }

@@ -1,7 +1,5 @@
 //! Definition and CDR form of a ROS 2 message, both from one description of its fields.
 
-use crate::decoding::{CdrError, CdrReader};
-
 /// Little-endian plain CDR.
 const ENCAPSULATION: [u8; 4] = [0, 1, 0, 0];
 
@@ -47,14 +45,6 @@ pub trait RosType {
             value.write(out);
         }
     }
-
-    /// Reads a value.
-    ///
-    /// # Errors
-    /// The bytes are not those of a value: [`CdrError`].
-    fn read(input: &mut CdrReader<'_>) -> Result<Self, CdrError>
-    where
-        Self: Sized;
 
     /// Adds the definition of a message and of all messages in it, in this order.
     fn define(_: &mut Definitions) {}
@@ -119,11 +109,6 @@ macro_rules! ros_messages {
                 $(self.$field.write(out);)*
             }
 
-            fn read(input: &mut $crate::CdrReader<'_>) -> Result<Self, $crate::CdrError> {
-                // In the order in which they are written here, which is that of the definition.
-                Ok(Self { $($field: $crate::RosType::read(input)?),* })
-            }
-
             fn define(all: &mut $crate::Definitions) {
                 $crate::add_definition(
                     Self::name(),
@@ -147,10 +132,6 @@ macro_rules! numbers {
             fn write(&self, out: &mut CdrWriter<'_>) {
                 out.number(self.to_le_bytes());
             }
-
-            fn read(input: &mut CdrReader<'_>) -> Result<Self, CdrError> {
-                Ok(Self::from_le_bytes(input.number()?))
-            }
         }
     )* };
 }
@@ -171,11 +152,6 @@ impl RosType for u8 {
         out.out.push(*self);
     }
 
-    fn read(input: &mut CdrReader<'_>) -> Result<Self, CdrError> {
-        let [byte] = input.number()?;
-        Ok(byte)
-    }
-
     fn write_all(values: &[Self], out: &mut CdrWriter<'_>) {
         out.out.extend_from_slice(values);
     }
@@ -189,10 +165,6 @@ impl RosType for bool {
     fn write(&self, out: &mut CdrWriter<'_>) {
         out.out.push(u8::from(*self));
     }
-
-    fn read(input: &mut CdrReader<'_>) -> Result<Self, CdrError> {
-        Ok(u8::read(input)? != 0)
-    }
 }
 
 impl RosType for String {
@@ -205,13 +177,6 @@ impl RosType for String {
         out.out.extend_from_slice(self.as_bytes());
         out.out.push(0);
     }
-
-    fn read(input: &mut CdrReader<'_>) -> Result<Self, CdrError> {
-        let length = u32::read(input)?;
-        let bytes = input.take(length as usize)?;
-        let bytes = bytes.strip_suffix(&[0]).unwrap_or(bytes);
-        String::from_utf8(bytes.to_vec()).map_err(|_| CdrError::Text)
-    }
 }
 
 impl<T: RosType> RosType for Vec<T> {
@@ -222,11 +187,6 @@ impl<T: RosType> RosType for Vec<T> {
     fn write(&self, out: &mut CdrWriter<'_>) {
         out.length(self.len());
         T::write_all(self, out);
-    }
-
-    fn read(input: &mut CdrReader<'_>) -> Result<Self, CdrError> {
-        let count = input.count()?;
-        (0..count).map(|_| T::read(input)).collect()
     }
 
     fn define(all: &mut Definitions) {
@@ -242,14 +202,6 @@ impl RosType for [[f64; 6]; 6] {
 
     fn write(&self, out: &mut CdrWriter<'_>) {
         f64::write_all(self.as_flattened(), out);
-    }
-
-    fn read(input: &mut CdrReader<'_>) -> Result<Self, CdrError> {
-        let mut values = Self::default();
-        for value in values.as_flattened_mut() {
-            *value = f64::read(input)?;
-        }
-        Ok(values)
     }
 }
 

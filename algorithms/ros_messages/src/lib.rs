@@ -5,6 +5,6 @@ mod encoding;
 pub mod messages;
 mod values;
 
-pub use decoding::{CdrError, CdrReader, decode};
+pub use decoding::{CdrError, decode};
 pub use encoding::{CdrWriter, Definitions, RosType, add_definition, definition, encode};
-pub use values::{is_upright, pose, pose2, time, yaw};
+pub use values::{pose, pose2, time, upright_pose, yaw};

@@ -38,10 +38,10 @@ pub fn pose2(x: f64, y: f64, rotation: &Quaternion) -> Pose2 {
     Pose2::new(x, y, 2.0 * atan2(rotation.z, rotation.w))
 }
 
-/// Returns `true` if a rotation leaves the vertical axis upright, up to 0.45 rad.
-pub fn is_upright(rotation: &Quaternion) -> bool {
-    let Quaternion { x, y, z, w } = rotation;
-    let tilt = x * x + y * y;
-    let norm = tilt + z * z + w * w;
-    norm > 0.0 && tilt <= 0.05 * norm
+/// Returns this pose if its numbers are finite, and the rotation leaves the vertical axis upright, up to 0.45 rad.
+pub fn upright_pose(x: f64, y: f64, rotation: &Quaternion) -> Option<Pose2> {
+    let tilt = rotation.x * rotation.x + rotation.y * rotation.y;
+    let norm = tilt + rotation.z * rotation.z + rotation.w * rotation.w;
+    let pose = pose2(x, y, rotation);
+    (pose.is_finite() && norm > 0.0 && tilt <= 0.05 * norm).then_some(pose)
 }

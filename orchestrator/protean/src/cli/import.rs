@@ -5,8 +5,7 @@ use std::process::ExitCode;
 
 use platform::eprintln;
 use platform::output_format::OutputFormat;
-use recorder::time_text;
-use replay::import::{ImportOptions, ImportReport, import};
+use replay::import::{ImportOptions, import};
 use scenario::Loader;
 use scenario::kind::Kind;
 
@@ -91,8 +90,10 @@ pub(super) fn run(kinds: &[Kind], args: ImportArgs) -> ExitCode {
             json["import"] = serde_json::json!(done);
             print_json(&json);
         } else {
-            let text = run_summary::text(&scenario, &[], &report, false);
-            let text = format!("{text}\n{}", text_of(&done));
+            let mut text = run_summary::text(&scenario, &[], &report, false);
+            for (name, (topic, messages)) in &done.topics {
+                text += &format!("\nimported  {name}: {messages} messages of {topic}");
+            }
             print_coloured(&text, mission::team_colours(&scenario));
         }
         for remark in done.remarks.iter().filter(|_| !args.quiet.quiet) {
@@ -112,29 +113,4 @@ pub(super) fn run(kinds: &[Kind], args: ImportArgs) -> ExitCode {
             ExitCode::from(EXIT_PARTIAL)
         })
     })
-}
-
-/// Returns what was imported as text.
-fn text_of(done: &ImportReport) -> String {
-    let mut lines = vec![format!(
-        "imported  {} from {} s on, map {}",
-        done.bag.display(),
-        time_text(done.start_s),
-        done.map.as_deref().unwrap_or("of the scenario")
-    )];
-    for robot in &done.robots {
-        for topic in robot.topics.values() {
-            lines.push(format!(
-                "          {}: {} messages of {}, at most {:.3} s from a tick",
-                robot.robot, topic.messages, topic.topic, topic.max_age_s
-            ));
-        }
-    }
-    if !done.simulated.is_empty() {
-        lines.push(format!(
-            "          simulated: {}",
-            done.simulated.join(", ")
-        ));
-    }
-    lines.join("\n")
 }

@@ -12,7 +12,6 @@ use super::output::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, exit_code_of_missio
 use super::run::handle_signals;
 use branch::BranchError;
 use replay::ReplayError;
-use replay::import::ImportError;
 
 /// Selection of topics.
 #[derive(Debug, Clone, clap::Args)]
@@ -93,9 +92,6 @@ pub enum CommandError {
     /// The run cannot be replayed or verified.
     #[error(transparent)]
     Replay(#[from] ReplayError),
-    /// The bag cannot be imported.
-    #[error(transparent)]
-    Import(#[from] ImportError),
     /// The run cannot be branched.
     #[error(transparent)]
     Branch(BranchError),
@@ -115,10 +111,8 @@ impl CommandError {
         match self {
             Self::Log(error) | Self::Replay(ReplayError::Log(error)) => exit_code_of_read(error),
             Self::Branch(_) => EXIT_FAILED,
-            Self::Import(ImportError::Run(error)) => exit_code_of_mission(error),
             Self::Derived(error) => exit_code_of_derived(error),
-            Self::Import(ImportError::Read(error)) => exit_code_of_read(error),
-            Self::Usage(_) | Self::Import(_) => EXIT_INVALID,
+            Self::Usage(_) | Self::Replay(ReplayError::Bag { .. }) => EXIT_INVALID,
             Self::Replay(ReplayError::Mission(error)) => exit_code_of_mission(error),
         }
     }

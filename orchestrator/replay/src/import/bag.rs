@@ -1,59 +1,61 @@
 //! Odometry, scans, maps and frames in a bag of ROS 2.
 
 use std::collections::BTreeMap;
-use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
-use geometry::grid::{Grid, GridFrame};
-use geometry::map::CellMap;
-use geometry::pose::{Pose2, Twist2};
-use mcap_log::ReadProgress;
 use mcap_log::reader::{Item, Reader};
-use nalgebra::Point2;
-use robot::spec::ScanSpec;
-use ros_messages::messages::{LaserScan, OccupancyGrid, Odometry, TFMessage};
-use ros_messages::{decode, is_upright, pose2};
+use mcap_log::{LogReadError, ReadProgress};
+use ros_messages::messages::{Header, LaserScan, OccupancyGrid, Odometry, TFMessage};
+use ros_messages::{CdrError, decode};
+use serde::de::DeserializeOwned;
 
-use super::frames::{Frames, name};
-use super::samples::{Samples, nanoseconds};
-use super::{ImportError, MessageFault};
+use super::fault::BagFault;
+use super::frames::{Frames, nanoseconds};
+use crate::ReplayError;
 
-/// Least value of an occupied cell of a map; a negative value is an unknown cell.
-const OCCUPIED: i8 = 50;
-
-/// Types of the messages that are imported.
+/// Types of messages that are imported.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MessageType {
     Odometry,
     Scan,
     Map,
-    Transforms,
+    Frames,
 }
 
 impl MessageType {
-    const ALL: [Self; 4] = [Self::Odometry, Self::Scan, Self::Map, Self::Transforms];
+    const ALL: [Self; 4] = [Self::Odometry, Self::Scan, Self::Map, Self::Frames];
 
     fn name(self) -> &'static str {
         match self {
             Self::Odometry => "nav_msgs/msg/Odometry",
             Self::Scan => "sensor_msgs/msg/LaserScan",
             Self::Map => "nav_msgs/msg/OccupancyGrid",
-            Self::Transforms => "tf2_msgs/msg/TFMessage",
+            Self::Frames => "tf2_msgs/msg/TFMessage",
         }
     }
 }
 
-/// The messages of a bag, by topic.
+/// Messages of a topic, by the times in their headers (ns).
+#[derive(Debug)]
+pub struct Samples<M> {
+    /// Name of the topic.
+    pub topic: String,
+    /// The messages; by time after the bag was read.
+    pub list: Vec<(i64, M)>,
+}
+
+/// The messages of a bag, by what they are for: `ROBOT/odom`, `ROBOT/scan`, `map`.
 #[derive(Debug, Default)]
 pub struct Bag {
-    pub odometry: BTreeMap<String, Samples<(Pose2, Twist2)>>,
-    pub scans: BTreeMap<String, Samples<Arc<[f32]>>>,
-    /// The last map of each topic, with its frame.
-    pub maps: BTreeMap<String, (String, CellMap)>,
+    pub odometry: BTreeMap<String, Samples<Odometry>>,
+    pub scans: BTreeMap<String, Samples<LaserScan>>,
+    pub maps: BTreeMap<String, Samples<OccupancyGrid>>,
     pub frames: Frames,
-    /// Topics of these types.
-    topics: BTreeMap<String, &'static str>,
+    /// Topics that were read, and their numbers of messages, by what they are for.
+    pub topics: BTreeMap<String, (String, usize)>,
+    /// Topics that can be imported, with their types.
+    pub known: Vec<String>,
     pub faults: Vec<String>,
 }
 
@@ -64,47 +66,101 @@ pub fn namespace(topic: &str) -> &str {
 }
 
 /// Returns the files of a bag: itself, or those in its folder.
-fn files(bag: &Path) -> Result<Vec<PathBuf>, ImportError> {
-    let failed = |source| ImportError::Folder {
-        bag: bag.to_owned(),
-        source,
-    };
-    if !bag.metadata().map_err(failed)?.is_dir() {
+fn files(bag: &Path) -> io::Result<Vec<PathBuf>> {
+    if !bag.metadata()?.is_dir() {
         return Ok(vec![bag.to_owned()]);
     }
-    let entries = fs::read_dir(bag).map_err(failed)?;
-    let entries = entries.map(|entry| entry.map(|entry| entry.path()));
-    let mut entries: Vec<PathBuf> = entries.collect::<Result<_, _>>().map_err(failed)?;
+    let entries = bag.read_dir()?.map(|entry| Ok(entry?.path()));
+    let mut entries: Vec<PathBuf> = entries.collect::<io::Result<_>>()?;
     entries.sort();
-    // A reader names the remedy for a bag in a database.
-    let with = |end: &str| {
-        entries
-            .iter()
-            .filter(|path| path.extension().is_some_and(|own| own == end))
-            .cloned()
-            .collect()
-    };
-    let found: [Vec<PathBuf>; 2] = ["mcap", "db3"].map(with);
-    found
-        .into_iter()
-        .find(|files| !files.is_empty())
-        .ok_or_else(|| ImportError::Empty {
-            bag: bag.to_owned(),
+    // The reader names the remedy for a bag in a database.
+    for end in ["mcap", "db3"] {
+        let is_of = |path: &&PathBuf| path.extension().is_some_and(|own| own == end);
+        let found: Vec<PathBuf> = entries.iter().filter(is_of).cloned().collect();
+        if !found.is_empty() {
+            return Ok(found);
+        }
+    }
+    Err(io::Error::other("no FILE.mcap of a bag in this folder"))
+}
+
+impl<M> Samples<M> {
+    fn sort(&mut self) {
+        self.list.sort_by_key(|(at, _)| *at);
+    }
+
+    /// Returns the times of the first and last message (ns).
+    pub fn span(&self) -> (i64, i64) {
+        let at = |sample: Option<&(i64, M)>| sample.map_or(0, |(at, _)| *at);
+        (at(self.list.first()), at(self.list.last()))
+    }
+
+    /// Returns the fault of the message of a time (ns).
+    pub fn unusable(&self, at: i64, expected: &'static str) -> BagFault {
+        BagFault::Value {
+            topic: self.topic.clone(),
+            at_s: at as f64 / 1e9,
+            expected,
+        }
+    }
+
+    /// Returns the message nearest to a time (ns).
+    ///
+    /// # Errors
+    /// [`BagFault::Gap`]: it is farther than `max_age_s` (s).
+    pub fn nearest(&self, time: i64, max_age_s: f64) -> Result<&(i64, M), BagFault> {
+        let after = self.list.partition_point(|(at, _)| *at < time);
+        let [before, after] = [after.saturating_sub(1), after].map(|at| self.list.get(at));
+        let around = || before.into_iter().chain(after);
+        let nearest = around().min_by_key(|(at, _)| at.abs_diff(time));
+        let near = nearest.filter(|(at, _)| at.abs_diff(time) as f64 <= max_age_s * 1e9);
+        let seconds = |sample: Option<&(i64, M)>| sample.map_or(0.0, |(at, _)| *at as f64 / 1e9);
+        near.ok_or_else(|| BagFault::Gap {
+            topic: self.topic.clone(),
+            from_s: seconds(before),
+            to_s: seconds(around().last()),
+            max_age_s,
         })
+    }
+}
+
+/// Adds a message to those of its topic.
+fn add<M: DeserializeOwned>(
+    all: &mut BTreeMap<String, Samples<M>>,
+    (name, topic): (&str, &str),
+    data: &[u8],
+    header: impl Fn(&M) -> &Header,
+) -> Result<(), CdrError> {
+    let message: M = decode(data)?;
+    let samples = all.entry(name.to_owned()).or_insert_with(|| Samples {
+        topic: topic.to_owned(),
+        list: Vec::new(),
+    });
+    let at = nanoseconds(&header(&message).stamp);
+    samples.list.push((at, message));
+    Ok(())
 }
 
 impl Bag {
-    /// Reads the wanted topics of a bag, and its frames.
+    /// Reads a bag: its frames, and the topics in `wanted`, with what they are for and their types.
     ///
     /// # Errors
-    /// [`ImportError`]: a file is unreadable, or a message or the type of a topic is not as expected.
+    /// [`ReplayError`]: a file is unreadable, or a message or the type of a topic is not as expected.
     pub fn read(
         path: &Path,
-        wanted: &BTreeMap<String, MessageType>,
+        wanted: &BTreeMap<String, (String, MessageType)>,
         watch: &mut ReadProgress,
-    ) -> Result<Self, ImportError> {
+    ) -> Result<Self, ReplayError> {
+        let open = |source| LogReadError::Open {
+            path: path.to_owned(),
+            source,
+        };
         let mut bag = Self::default();
-        for file in files(path)? {
+        for file in files(path).map_err(open)? {
+            let refuse = |fault| ReplayError::Bag {
+                path: file.clone(),
+                fault,
+            };
             let mut reader = Reader::open(&file, Some(watch))?;
             let (mut schemas, mut channels) = (BTreeMap::new(), BTreeMap::new());
             while let Some(item) = reader.next()? {
@@ -113,37 +169,42 @@ impl Bag {
                         schemas.insert(id, schema.name.clone());
                     }
                     Item::Channel(channel) => {
+                        let (topic, encoding) = (&channel.topic, &channel.message_encoding);
                         let found = schemas.get(&channel.schema_id).map_or("", String::as_str);
                         let known = MessageType::ALL
                             .into_iter()
                             .find(|known| known.name() == found);
-                        let expected = wanted.get(&channel.topic).copied();
-                        let expected =
-                            expected.or(known.filter(|known| *known == MessageType::Transforms));
-                        if let Some(expected) = expected {
-                            if known != Some(expected) || channel.message_encoding != "cdr" {
-                                return Err(ImportError::Type {
-                                    bag: file,
-                                    topic: channel.topic.clone(),
-                                    found: format!("{found} in {}", channel.message_encoding),
-                                    expected: expected.name(),
-                                });
+                        let frames = known.filter(|of| *of == MessageType::Frames);
+                        let frames = frames.map(|of| (String::new(), of));
+                        if let Some((name, of)) = wanted.get(topic).cloned().or(frames) {
+                            if known != Some(of) || encoding != "cdr" {
+                                return Err(refuse(BagFault::Type {
+                                    topic: topic.clone(),
+                                    found: format!("{found} in {encoding}"),
+                                    expected: of.name(),
+                                }));
                             }
-                            channels.insert(channel.id, (channel.topic.clone(), expected, 0));
+                            channels.insert(channel.id, (of, name, topic.clone(), 0));
                         }
-                        bag.topics
-                            .extend(known.map(|known| (channel.topic.clone(), known.name())));
+                        bag.known
+                            .extend(known.map(|_| format!("{topic} ({found})")));
                     }
                     Item::Message(header, data) => {
-                        if let Some((topic, of, number)) = channels.get_mut(&header.channel_id) {
+                        if let Some((of, name, topic, number)) =
+                            channels.get_mut(&header.channel_id)
+                        {
                             *number += 1;
-                            bag.add(topic, *of, data)
-                                .map_err(|fault| ImportError::Message {
-                                    bag: file.clone(),
+                            if *of != MessageType::Frames {
+                                let none = || (topic.clone(), 0);
+                                bag.topics.entry(name.clone()).or_insert_with(none).1 += 1;
+                            }
+                            bag.add(*of, (name, topic), data).map_err(|source| {
+                                refuse(BagFault::Message {
                                     topic: topic.clone(),
                                     number: *number,
-                                    fault,
-                                })?;
+                                    source,
+                                })
+                            })?;
                         }
                     }
                     _ => {}
@@ -152,153 +213,24 @@ impl Bag {
             bag.faults.extend(reader.condition().lines());
         }
         bag.frames.sort();
-        bag.odometry
-            .values_mut()
-            .for_each(|samples| samples.list.sort_by_key(|(at, _)| *at));
-        bag.scans
-            .values_mut()
-            .for_each(|samples| samples.list.sort_by_key(|(at, _)| *at));
+        bag.odometry.values_mut().for_each(Samples::sort);
+        bag.scans.values_mut().for_each(Samples::sort);
         Ok(bag)
     }
 
-    fn add(&mut self, topic: &str, of: MessageType, data: &[u8]) -> Result<(), MessageFault> {
+    fn add(&mut self, of: MessageType, to: (&str, &str), data: &[u8]) -> Result<(), CdrError> {
         match of {
-            MessageType::Odometry => self.add_odometry(topic, &decode(data)?),
-            MessageType::Scan => self.add_scan(topic, &decode(data)?),
-            MessageType::Map => self.add_map(topic, &decode(data)?),
-            MessageType::Transforms => {
-                let is_static = topic.ends_with("_static");
+            MessageType::Odometry => add(&mut self.odometry, to, data, |m| &m.header),
+            MessageType::Scan => add(&mut self.scans, to, data, |m| &m.header),
+            MessageType::Map => add(&mut self.maps, to, data, |m| &m.header),
+            MessageType::Frames => {
+                let is_static = to.1.ends_with("_static");
                 let message: TFMessage = decode(data)?;
                 for found in &message.transforms {
-                    self.frames.add(namespace(topic), is_static, found);
+                    self.frames.add(namespace(to.1), is_static, found);
                 }
                 Ok(())
             }
-        }
-    }
-
-    fn add_odometry(&mut self, topic: &str, message: &Odometry) -> Result<(), MessageFault> {
-        let (pose, twist) = (&message.pose.pose, &message.twist.twist);
-        let upright = is_upright(&pose.orientation);
-        let pose = pose2(pose.position.x, pose.position.y, &pose.orientation);
-        let twist = Twist2::new(twist.linear.x, twist.angular.z);
-        if !upright || !pose.is_finite() || !twist.is_finite() {
-            return Err(MessageFault::Pose);
-        }
-        let samples = self
-            .odometry
-            .entry(topic.to_owned())
-            .or_insert_with(|| Samples {
-                frame: name(&message.header.frame_id).to_owned(),
-                child: name(&message.child_frame_id).to_owned(),
-                scanner: None,
-                list: Vec::new(),
-            });
-        samples
-            .list
-            .push((nanoseconds(&message.header.stamp), (pose, twist)));
-        Ok(())
-    }
-
-    fn add_scan(&mut self, topic: &str, message: &LaserScan) -> Result<(), MessageFault> {
-        let samples = self
-            .scans
-            .entry(topic.to_owned())
-            .or_insert_with(|| Samples {
-                frame: name(&message.header.frame_id).to_owned(),
-                child: String::new(),
-                scanner: Some(ScanSpec {
-                    beams: message.ranges.len(),
-                    angle_min: f64::from(message.angle_min),
-                    angle_increment: f64::from(message.angle_increment),
-                    range_min: f64::from(message.range_min),
-                    range_max: f64::from(message.range_max),
-                    noise: 0.0,
-                }),
-                list: Vec::new(),
-            });
-        if let Some(first) = samples.scanner
-            && (first.beams != message.ranges.len() || first.angle_min as f32 != message.angle_min)
-        {
-            return Err(MessageFault::Beams {
-                found: message.ranges.len(),
-                angle: message.angle_min,
-                beams: first.beams,
-                first: first.angle_min as f32,
-            });
-        }
-        // As REP-117 has it; older drivers send 0 or NaN for beams that hit nothing.
-        let range = |range: &f32| match *range {
-            0.0 => f32::INFINITY,
-            range if range < message.range_min => f32::NEG_INFINITY,
-            range if range <= message.range_max => range,
-            _ => f32::INFINITY,
-        };
-        let ranges = message.ranges.iter().map(range).collect();
-        samples
-            .list
-            .push((nanoseconds(&message.header.stamp), ranges));
-        Ok(())
-    }
-
-    fn add_map(&mut self, topic: &str, message: &OccupancyGrid) -> Result<(), MessageFault> {
-        let (info, found) = (&message.info, message.data.len());
-        let origin = pose2(
-            info.origin.position.x,
-            info.origin.position.y,
-            &info.origin.orientation,
-        );
-        if origin.theta.abs() > 1e-6 {
-            return Err(MessageFault::Turned(origin.theta));
-        }
-        let (width, height) = (info.width, info.height);
-        if u64::from(width) * u64::from(height) != found as u64 {
-            return Err(MessageFault::Cells {
-                found,
-                width,
-                height,
-            });
-        }
-        let grid = Grid {
-            frame: GridFrame {
-                width: width as usize,
-                height: height as usize,
-                // The number that the map file had, such as 0.05.
-                resolution: info.resolution.to_string().parse().unwrap_or_default(),
-                origin: Point2::new(origin.x, origin.y),
-            },
-            cells: message
-                .data
-                .iter()
-                .map(|cell| !(0..OCCUPIED).contains(cell))
-                .collect(),
-        };
-        let map = (
-            name(&message.header.frame_id).to_owned(),
-            CellMap::from_grid(&grid),
-        );
-        self.maps.insert(topic.to_owned(), map);
-        Ok(())
-    }
-
-    /// Returns `true` if messages of a topic were read.
-    pub fn has_messages(&self, topic: &str) -> bool {
-        self.odometry.contains_key(topic)
-            || self.scans.contains_key(topic)
-            || self.maps.contains_key(topic)
-    }
-
-    /// Returns the topics that can be imported, with their types.
-    pub fn known(&self) -> String {
-        let topics = self
-            .topics
-            .iter()
-            .map(|(topic, of)| format!("{topic} ({of})"));
-        let topics: Vec<String> = topics.collect();
-        if topics.is_empty() {
-            "none".to_owned()
-        } else {
-            topics.join(", ")
         }
     }
 }
