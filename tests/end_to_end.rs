@@ -27,6 +27,7 @@ mod external_sensor;
 mod goldens;
 mod growth;
 mod hostile;
+mod import;
 mod in_process;
 mod language;
 mod latency;

@@ -10,7 +10,7 @@ use serde_json::Value as Json;
 use crate::support::call::{Call, wait};
 use crate::support::history::{History, Order};
 use crate::support::sandbox::signal;
-use crate::support::{SOON, Sandbox, python, skipped};
+use crate::support::{SOON, Sandbox, python, skipped, until};
 
 /// ROS 2 Kilted in wheels: `rclpy` with Fast DDS, and its messages.
 const KILTED: &[&str] = &[
@@ -153,12 +153,30 @@ fn nodes_of_ros_2_have_one_history_and_the_data_of_their_tick() {
         assert_eq!(summary["digest"], timer["digest"], "{mode}");
         std::fs::remove_file(domain.sandbox.path().join("again.mcap")).unwrap();
     }
-    // Peers that send anything at all change nothing.
+    // Peers that send anything at all, and a second run with the same namespaces, change nothing.
     let hostile = domain.script("ros2_hostile.py").spawn().unwrap();
     let hostile = RosNode(hostile);
-    let (summary, share) = domain.steered("event", "hostile.mcap", "run.seed=1");
-    assert_eq!((share, &summary["digest"]), (1.0, &timer["digest"]));
-    drop(hostile);
+    let node = domain.node("event");
+    let first = domain
+        .run("first.mcap")
+        .args(["--json", "--pace", "1"])
+        .start();
+    until("ticks of the first run", SOON, || {
+        let words = ["cat", "first.mcap", "--topics", "world/state"];
+        let states = domain.sandbox.protean(words).run();
+        states.stdout.contains("\"tick\":5").then_some(())
+    });
+    let second = domain.run("second.mcap").run();
+    second.refused(1, &["another node writes /clock in ROS 2 domain"]);
+    let first = first.finish();
+    assert_eq!(
+        (first.code, &first.json()["digest"]),
+        (Some(0), &timer["digest"]),
+        "{first}"
+    );
+    let history = History::read(&domain.sandbox.path().join("first.mcap"));
+    assert_eq!(fresh(&history), 1.0);
+    drop((node, hostile));
     // The check above can fail: a clock before the data lets timers use older data.
     let (_, share) = domain.steered(
         "timer",

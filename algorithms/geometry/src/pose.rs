@@ -55,6 +55,25 @@ impl Pose2 {
         Vector2::new(cos, sin)
     }
 
+    /// Returns where a pose is that is `inner` in the frame of this one.
+    ///
+    /// ```
+    /// use core::f64::consts::FRAC_PI_2;
+    /// use geometry::pose::Pose2;
+    ///
+    /// let placed = Pose2::new(10.0, 20.0, FRAC_PI_2).placed(&Pose2::new(2.0, 0.0, FRAC_PI_2));
+    /// assert!((placed.x - 10.0).abs() < 1e-12 && (placed.y - 22.0).abs() < 1e-12);
+    /// ```
+    #[must_use]
+    pub fn placed(&self, inner: &Self) -> Self {
+        let (sin, cos) = math::sincos(self.theta);
+        Self::new(
+            self.x + cos * inner.x - sin * inner.y,
+            self.y + sin * inner.x + cos * inner.y,
+            self.theta + inner.theta,
+        )
+    }
+
     /// Returns `true` if all three coordinates are finite.
     pub fn is_finite(&self) -> bool {
         self.x.is_finite() && self.y.is_finite() && self.theta.is_finite()

@@ -1,6 +1,7 @@
-//! Times and poses of a run as those of ROS 2.
+//! Times and poses of a run as those of ROS 2, and back.
 
-use geometry::math::sincos;
+use geometry::math::{atan2, sincos};
+use geometry::pose::Pose2;
 
 use crate::messages::{Point, Pose, Quaternion, Time};
 
@@ -30,4 +31,17 @@ pub fn pose(x: f64, y: f64, z: f64, theta: f64) -> Pose {
         position: Point { x, y, z },
         orientation: yaw(theta),
     }
+}
+
+/// Returns the pose in the plane with this position (m) and the heading of a rotation about the vertical axis.
+pub fn pose2(x: f64, y: f64, rotation: &Quaternion) -> Pose2 {
+    Pose2::new(x, y, 2.0 * atan2(rotation.z, rotation.w))
+}
+
+/// Returns this pose if its numbers are finite, and the rotation leaves the vertical axis upright, up to 0.45 rad.
+pub fn upright_pose(x: f64, y: f64, rotation: &Quaternion) -> Option<Pose2> {
+    let tilt = rotation.x * rotation.x + rotation.y * rotation.y;
+    let norm = tilt + rotation.z * rotation.z + rotation.w * rotation.w;
+    let pose = pose2(x, y, rotation);
+    (pose.is_finite() && norm > 0.0 && tilt <= 0.05 * norm).then_some(pose)
 }

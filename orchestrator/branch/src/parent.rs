@@ -163,7 +163,9 @@ impl Parent {
             out: out.map(Path::to_owned),
             libraries: true,
             branches: branches(&points, &self.scenario, &self.kinds)?,
-            lineage: serde_json::to_string(&points).ok(),
+            source: serde_json::to_string(&points)
+                .ok()
+                .map(|text| (Origin::BRANCHES, text)),
             ..options
         };
         let report = in_process::run(&self.scenario, &options)?;

@@ -29,6 +29,8 @@ impl Origin {
 
     /// Key of the manifest for the branches of the run: a JSON list of changes, each from a tick on.
     pub const BRANCHES: &str = "branches";
+    /// Key of the manifest for the bag in which robots of the run were recorded.
+    pub const IMPORTED: &str = "imported";
 
     /// Reads what precedes the messages of a log.
     ///

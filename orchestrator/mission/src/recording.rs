@@ -33,8 +33,8 @@ pub(super) struct LogFile<'a> {
     pub(super) force: bool,
     /// `true` to write no note on the first log in `logs/`.
     pub(super) quiet: bool,
-    /// Text on the branches of the run.
-    pub(super) lineage: Option<&'a str>,
+    /// Key and text on what the run has beside its scenario.
+    pub(super) source: Option<&'a (&'static str, String)>,
 }
 
 /// Starts recording a run, into a log if requested; the observer gets each message that is written to the log.
@@ -85,10 +85,10 @@ fn create_log(
         ..LogOptions::default()
     };
     let mut manifest = manifest(scenario, run, plan);
-    let lineage = log
-        .lineage
-        .map(|text| (Origin::BRANCHES.to_owned(), text.to_owned()));
-    manifest.entries.extend(lineage);
+    let source = log
+        .source
+        .map(|(key, text)| ((*key).to_owned(), text.clone()));
+    manifest.entries.extend(source);
     let directory = presence::entry(Path::new(DIRECTORY)).map_err(MissionError::LogDirectory)?;
     if log.path.is_none() && !log.quiet && directory.is_none() {
         eprintln!("logs are written to ./{DIRECTORY}; --out FILE selects another place");

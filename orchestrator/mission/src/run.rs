@@ -88,7 +88,7 @@ pub fn run(
         path: options.out.as_deref(),
         force: options.force,
         quiet: options.quiet,
-        lineage: None,
+        source: None,
     });
     let recording = recording::create(scenario, &resources.plan, log, Arc::default(), mirror)?;
     if let (Some(live), Some(path)) = (&live, recording.log_path()) {

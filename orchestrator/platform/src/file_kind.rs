@@ -141,7 +141,8 @@ impl FileKind {
                 format!("it is compressed as a whole: `zstd -d <{file} >LOG.mcap` decompresses it")
             }
             Self::SqliteBag => format!(
-                "it is a ROS 2 bag in SQLite: `mcap convert {file} LOG.mcap` writes one in MCAP"
+                "it is a ROS 2 bag in SQLite: `mcap convert {file} LOG.mcap`, or for the folder of the bag \
+                 `rosbags-convert --src BAG --dst NEW --dst-storage mcap`, writes one in MCAP"
             ),
             Self::Ros1Bag => {
                 format!("it is a ROS 1 bag: `mcap convert {file} LOG.mcap` writes one in MCAP")

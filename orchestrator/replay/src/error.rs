@@ -1,7 +1,10 @@
 //! Errors of replaying or repeating a run.
 
+use std::path::PathBuf;
+
 use mcap_log::LogReadError;
 
+use crate::import::BagFault;
 use mission::MissionError;
 
 /// Error of replaying or repeating a run from its log.
@@ -10,6 +13,14 @@ pub enum ReplayError {
     /// The log is unreadable or unsuitable.
     #[error(transparent)]
     Log(#[from] LogReadError),
+    /// A bag cannot be imported.
+    #[error("{}: {fault}", path.display())]
+    Bag {
+        /// The bag, or its file.
+        path: PathBuf,
+        /// The fault.
+        fault: BagFault,
+    },
     /// The run failed.
     #[error(transparent)]
     Mission(Box<MissionError>),

@@ -1,7 +1,9 @@
 //! Repetition of a recorded run: [`replay()`] sends the messages of a log to any subscriber, [`verify()`] sends them to
-//! processes under test, and [`rerun()`] executes its scenario again, with its [branches](lineage). The latter two compare the result with the log.
+//! processes under test, and [`rerun()`] executes its scenario again, with its [branches](lineage). The latter two compare the result
+//! with the log. [`import()`](import::import) makes a log of a recording of ROS 2.
 
 mod error;
+pub mod import;
 pub mod lineage;
 mod live_replay;
 pub mod origin;

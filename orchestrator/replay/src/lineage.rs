@@ -63,8 +63,17 @@ pub struct BranchPoint {
 /// Returns the branches that a log names, oldest first; none for a run without.
 ///
 /// # Errors
-/// [`LogReadError`]: they are of another version.
+/// [`LogReadError`]: they are of another version, or robots of the run follow a recording, which the log does not contain.
 pub fn branch_points(origin: &Origin, log: &Path) -> Result<Vec<BranchPoint>, LogReadError> {
+    if let Some(bag) = origin.manifest.get(Origin::IMPORTED) {
+        return Err(LogReadError::NotRepeatable {
+            path: log.to_owned(),
+            reason: format!(
+                "its robots follow the recording {bag}, which a log does not contain: `protean import` runs it again, \
+                 `protean replay --test` tests its processes"
+            ),
+        });
+    }
     let Some(text) = origin.manifest.get(Origin::BRANCHES) else {
         return Ok(Vec::new());
     };

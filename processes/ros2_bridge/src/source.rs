@@ -3,15 +3,13 @@
 use core::time::Duration;
 use std::time::Instant;
 
-use geometry::math::{atan2, sincos};
 use geometry::pose::Pose2;
 use ipc_types::bus::{Bus, Publisher, PublisherOptions, Subscriber};
 use ipc_types::messages::robot::{Command, MeasuredPose};
 use ipc_types::stamp::{PlainHeader, Stamp};
 use ipc_types::topics::{Commands, MeasuredPoses};
-use ros_messages::messages::{
-    Header, Odometry, Quaternion, TFMessage, Time, Transform, Twist, TwistStamped,
-};
+use ros_messages::messages::{Header, Odometry, TFMessage, Time, Twist, TwistStamped};
+use ros_messages::pose2;
 use runtime::{Clock, ProcessConfig, ProcessError};
 
 use crate::convert;
@@ -148,7 +146,8 @@ impl Sources {
                 if found.header.frame_id == convert::MAP {
                     self.in_map
                         .retain(|(frame, _)| *frame != found.child_frame_id);
-                    let place = placed(&found.transform);
+                    let place = found.transform;
+                    let place = pose2(place.translation.x, place.translation.y, &place.rotation);
                     self.in_map.push((found.child_frame_id, place));
                 }
             }
@@ -237,15 +236,14 @@ impl Source {
 fn measured(robot: u32, odometry: &Odometry, in_map: &[(String, Pose2)]) -> MeasuredPose {
     let frame = &odometry.header.frame_id;
     let place = in_map.iter().find(|(known, _)| known == frame);
-    let place = place.map_or(Pose2::new(0.0, 0.0, 0.0), |(_, place)| *place);
+    let place = place.map_or(Pose2::default(), |(_, place)| *place);
     let pose = &odometry.pose.pose;
-    let (sin, cos) = sincos(place.theta);
-    let (x, y) = (pose.position.x, pose.position.y);
+    let pose = place.placed(&pose2(pose.position.x, pose.position.y, &pose.orientation));
     let twist = &odometry.twist.twist;
     MeasuredPose {
-        x: place.x + cos * x - sin * y,
-        y: place.y + sin * x + cos * y,
-        theta: Pose2::new(0.0, 0.0, place.theta + heading(&pose.orientation)).theta,
+        x: pose.x,
+        y: pose.y,
+        theta: pose.theta,
         v: twist.linear.x,
         omega: twist.angular.z,
         robot,
@@ -253,25 +251,11 @@ fn measured(robot: u32, odometry: &Odometry, in_map: &[(String, Pose2)]) -> Meas
     }
 }
 
-/// The place of a frame.
-fn placed(transform: &Transform) -> Pose2 {
-    let Transform {
-        translation,
-        rotation,
-    } = transform;
-    Pose2::new(translation.x, translation.y, heading(rotation))
-}
-
-/// The heading of a rotation about the vertical axis (rad).
-fn heading(rotation: &Quaternion) -> f64 {
-    2.0 * atan2(rotation.z, rotation.w)
-}
-
 #[cfg(test)]
 mod tests {
     use core::f64::consts::FRAC_PI_2;
 
-    use ros_messages::messages::{PoseWithCovariance, Vector3};
+    use ros_messages::messages::PoseWithCovariance;
 
     use super::*;
 
@@ -291,15 +275,8 @@ mod tests {
         let alone = measured(3, &odometry, &[]);
         assert_eq!((alone.robot, alone.x, alone.y), (3, 2.0, 0.0));
         assert!((alone.theta - FRAC_PI_2).abs() < 1e-12);
-        let transform = Transform {
-            translation: Vector3 {
-                x: 10.0,
-                y: 20.0,
-                z: 0.0,
-            },
-            rotation: ros_messages::yaw(FRAC_PI_2),
-        };
-        let placed = [("odom".to_owned(), placed(&transform))];
+        let place = pose2(10.0, 20.0, &ros_messages::yaw(FRAC_PI_2));
+        let placed = [("odom".to_owned(), place)];
         let placed = measured(3, &odometry, &placed);
         assert!((placed.x - 10.0).abs() < 1e-12 && (placed.y - 22.0).abs() < 1e-12);
         assert!((placed.theta.abs() - core::f64::consts::PI).abs() < 1e-9);

@@ -10,7 +10,7 @@ use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use geometry::blur::BlurError;
-use geometry::pose::Twist2;
+use geometry::pose::{Pose2, Twist2};
 use ipc_types::bus::{Bus, Inbox, Publisher, PublisherOptions, Subscriber};
 use ipc_types::clock::StampClock;
 use ipc_types::messages::robot::ScanHeader;
@@ -112,6 +112,8 @@ pub struct Simulator {
     /// Contacts of each robot before the step; scratch.
     touched_before: Vec<u64>,
     ranges: Vec<f32>,
+    /// Scans that were recorded, in place of the robots' own.
+    recorded_scans: Vec<Option<Arc<[f32]>>>,
     map_revision: Option<u32>,
     /// Components of the map, if maps are shared.
     shared: Option<(Arc<Maps>, MapState)>,
@@ -174,6 +176,7 @@ impl Simulator {
             touching: vec![false; robots],
             touched_before: Vec::with_capacity(robots),
             ranges: Vec::new(),
+            recorded_scans: vec![None; robots],
             map_revision: None,
             shared,
             refused_commands: 0,
@@ -292,6 +295,15 @@ impl Simulator {
         self.board.give(robot, twist, until);
     }
 
+    /// Puts a robot where a recording has it at the state that is published next, with its velocity and its scan: one range
+    /// (m) for each beam of its scanner; `None`: the scan is simulated.
+    pub fn follow(&mut self, robot: usize, pose: Pose2, twist: Twist2, scan: Option<Arc<[f32]>>) {
+        self.world.place(robot, pose, twist);
+        if let Some(recorded) = self.recorded_scans.get_mut(robot) {
+            *recorded = scan;
+        }
+    }
+
     /// Publishes all messages of the current tick, the state last; returns `true` if the game is
     /// over.
     ///
@@ -308,7 +320,15 @@ impl Simulator {
         };
         self.publish_map(stamp)?;
         for robot in 0..self.world.robots().len() {
-            if let Some(spec) = self.world.scan(robot, &mut self.ranges) {
+            let recorded = self.recorded_scans.get(robot).and_then(Option::as_deref);
+            let (spec, ranges) = match recorded {
+                Some(ranges) => (self.world.scan_spec(robot), ranges),
+                None => (
+                    self.world.scan(robot, &mut self.ranges),
+                    self.ranges.as_slice(),
+                ),
+            };
+            if let Some(spec) = spec {
                 let header = ScanHeader {
                     stamp,
                     angle_min: spec.angle_min,
@@ -318,7 +338,7 @@ impl Simulator {
                     robot: robot as u32,
                     reserved: 0,
                 };
-                self.scan_out.send(header, &self.ranges)?;
+                self.scan_out.send(header, ranges)?;
             }
         }
         if !self.events.is_empty() {

@@ -15,6 +15,7 @@ use super::super::error::{InProcessError, MissionError};
 use super::super::plan::Plan;
 use super::branches::{Branch, PreparedBranch, prepared};
 use super::processes::{LocalProcesses, failed};
+use super::tracks::Track;
 
 /// The simulator and the other processes.
 pub(super) struct LocalRun {
@@ -92,6 +93,16 @@ impl LocalRun {
         self.followers.prepare()?;
         let mut branches = self.branches.iter_mut();
         branches.try_for_each(|branch| branch.changed.prepare())
+    }
+
+    /// Puts the robots of recordings where these have them at a tick whose state is still to be published.
+    pub(super) fn follow(&mut self, tracks: &[Track], tick: u64) {
+        for track in tracks {
+            if let Some((pose, twist)) = track.poses.get(tick as usize) {
+                let scan = track.scans.get(tick as usize).cloned();
+                self.simulator.follow(track.robot, *pose, *twist, scan);
+            }
+        }
     }
 
     /// Returns the current tick.

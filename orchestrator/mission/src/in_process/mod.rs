@@ -14,10 +14,12 @@ mod local_run;
 pub mod placement;
 mod processes;
 mod stepped;
+mod tracks;
 
 pub use branches::{Branch, GivenCommand};
 pub use processes::LocalProcesses;
 pub use stepped::SteppedRun;
+pub use tracks::Track;
 
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -70,8 +72,11 @@ pub struct InProcessOptions {
     pub libraries: bool,
     /// Changes in the course of the run; their ticks ascend.
     pub branches: Vec<Branch>,
-    /// Text on the branches for the log ([`mcap_log::Origin::BRANCHES`]).
-    pub lineage: Option<String>,
+    /// Robots that follow a recording.
+    pub tracks: Vec<Track>,
+    /// Key and text for the log on what the run has beside its scenario: [`mcap_log::Origin::BRANCHES`],
+    /// [`mcap_log::Origin::IMPORTED`].
+    pub source: Option<(&'static str, String)>,
     /// Data that runs share; pass the same cache to all runs of a sweep, in any scenario and thread.
     pub cache: Arc<Cache>,
 }
@@ -153,7 +158,7 @@ fn execute(
         path: Some(path),
         force: options.force,
         quiet: !options.show,
-        lineage: options.lineage.as_deref(),
+        source: options.source.as_ref(),
     });
     let digest_prefixes = options.cache.digest_prefixes();
     let recording = recording::create(scenario, &plan, log, digest_prefixes, None)?;
@@ -177,6 +182,7 @@ fn execute(
 
     let mut show = options.show.then(|| ProgressDisplay::new(scenario, &plan));
     let first_tick = Instant::now();
+    processes.follow(&options.tracks, 0);
     let interrupted = loop {
         let over = processes.turn()?;
         let tick = processes.tick();
@@ -195,6 +201,7 @@ fn execute(
         if options.interrupted.load(Ordering::Relaxed) {
             break true;
         }
+        processes.follow(&options.tracks, tick + 1);
         processes.advance();
     };
     let wall_time_s = first_tick.elapsed().as_secs_f64();

@@ -8,8 +8,8 @@ pub const HEADINGS: [(&str, &[&str]); 6] = [
     (
         "Logs",
         &[
-            "report", "picture", "info", "cat", "export", "recover", "replay", "verify", "diff",
-            "branch", "decided",
+            "report", "picture", "info", "cat", "export", "recover", "replay", "import", "verify",
+            "diff", "branch", "decided",
         ],
     ),
     ("Experiments", &["sweep", "reproduce"]),

@@ -112,7 +112,7 @@ impl CommandError {
             Self::Log(error) | Self::Replay(ReplayError::Log(error)) => exit_code_of_read(error),
             Self::Branch(_) => EXIT_FAILED,
             Self::Derived(error) => exit_code_of_derived(error),
-            Self::Usage(_) => EXIT_INVALID,
+            Self::Usage(_) | Self::Replay(ReplayError::Bag { .. }) => EXIT_INVALID,
             Self::Replay(ReplayError::Mission(error)) => exit_code_of_mission(error),
         }
     }

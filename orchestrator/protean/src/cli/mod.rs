@@ -10,6 +10,7 @@ mod decided;
 mod diff;
 mod export;
 mod help;
+mod import;
 mod info;
 mod lab;
 mod latency;
@@ -102,6 +103,9 @@ enum Command {
     /// Publish a log again, or test processes against it
     #[command(after_long_help = replay::HELP)]
     Replay(replay::ReplayArgs),
+    /// Make a log of robots in a ROS 2 bag, to test processes against
+    #[command(after_long_help = import::HELP)]
+    Import(import::ImportArgs),
     /// Run the scenario of a log again and compare every message
     #[command(after_long_help = verify::HELP)]
     Verify(verify::VerifyArgs),
@@ -262,6 +266,7 @@ fn command(kinds: &'static [Kind], cli: Cli) -> ExitCode {
         Command::Export(args) => export::run(&args),
         Command::Recover(args) => recover::run(&args),
         Command::Replay(args) => replay::run(kinds, args),
+        Command::Import(args) => import::run(kinds, args),
         Command::Verify(args) => verify::run(kinds, &args),
         Command::Diff(args) => diff::run(kinds, &args),
         Command::Branch(args) => branch::run(kinds, &args),
