@@ -90,13 +90,13 @@ def main():
                         digests[seed].add(summary["digest"])
                         factors.append(summary["real_time_factor"])
                 low, middle, high = min(factors), statistics.median(factors), max(factors)
-                print(f"{hogs} hogs: {len(factors)} runs, {low:.1f} to {high:.1f} x real time, median {middle:.1f}; {load()}", flush=True)
+                print(f"{hogs} hogs: {len(factors)} runs, {low:.1f} to {high:.1f} x real time, median {middle:.1f}; {load()}")
+                several = [seed for seed, found in digests.items() if len(found) > 1]
+                print(f"    seeds with more than one digest so far: {several or 'none'} of {len(digests)}", flush=True)
             finally:
                 for process in busy:
                     process.kill()
                     process.wait()
-        several = [seed for seed, found in digests.items() if len(found) > 1]
-        print(f"{args.seeds} seeds, {2 * args.runs} runs each: seeds with more than one digest: {several or 'none'}", flush=True)
         words = ("--real-time", "--set", "run.dt=0.02", "--set", f"rules.time_limit={args.seconds}")
         summary = run(args, folder, "event", *words)
         gaps = sum(topic["gaps"] for topic in summary["topics"].values())
