@@ -77,7 +77,7 @@ impl<H, E> Channel<H, E> {
             .retain(|other| !Rc::ptr_eq(other, queue));
     }
 
-    /// Returns `true` if nobody will receive a message.
+    /// Returns `true` if a message has no receiver, now or later.
     pub(super) fn is_unheard(&self) -> bool {
         self.qos.history == 0 && self.queues.borrow().is_empty()
     }
