@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use geometry::pose::{Pose2, Twist2};
 
-/// What was recorded of a robot, tick by tick.
+/// Recorded motion of a robot, tick by tick.
 #[derive(Debug, Clone, Default)]
 pub struct Track {
     /// Index of the robot.

@@ -45,7 +45,7 @@ pub enum BagFault {
         topic: String,
         /// Time in its header (s).
         at_s: f64,
-        /// What it should have.
+        /// The expectation.
         expected: &'static str,
     },
     /// No message near a tick.

@@ -52,7 +52,7 @@ pub struct ImportOptions {
     pub force: bool,
 }
 
-/// What was imported.
+/// Summary of an import.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ImportReport {
     /// Time of the first tick, in the headers of the bag (s).
@@ -272,14 +272,14 @@ impl Following<'_> {
             robot,
             ..Track::default()
         };
-        let mut unplaced = None;
+        let mut disconnected = None;
         let mut base = "";
         for tick in self.ticks.clone() {
             let (at, message) = odometry.nearest(tick, self.max_age_s)?;
             base = &message.child_frame_id;
             let frame = &message.header.frame_id;
             let place = self.frames.place(namespace, frame, self.map, *at);
-            unplaced = unplaced.or(place.is_none().then_some(frame));
+            disconnected = disconnected.or(place.is_none().then_some(frame));
             let (pose, twist) = (&message.pose.pose, &message.twist.twist);
             let pose = upright_pose(pose.position.x, pose.position.y, &pose.orientation);
             let twist = Twist2::new(twist.linear.x, twist.angular.z);
@@ -297,7 +297,7 @@ impl Following<'_> {
                 track.scans.push(ranges(scan));
             }
         }
-        if let Some(frame) = unplaced {
+        if let Some(frame) = disconnected {
             self.take_as_same(&spec.name, frame, self.map);
         }
         if let Some((start, _)) = track.poses.first() {
