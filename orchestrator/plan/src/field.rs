@@ -1,17 +1,15 @@
 //! The fields of an instance, each read with its unit and range.
 
-use serde_json::Value as Json;
 use trajectory_problem::problem::{MAX_NUMBER, MAX_OBSTACLES};
 use trajectory_problem::{RobotLimits, Wheels};
 
 use super::instance::{Body, Instance};
+use super::loose::Loose;
 
 /// Maximum number of corners of a polygon.
 pub const MAX_CORNERS: usize = 1024;
 /// Maximum magnitude of a coordinate (px), speed (px/s) or size.
 const MAX_PIXELS: f64 = MAX_NUMBER;
-/// Maximum length of a text in messages (characters).
-const SHOWN: usize = 60;
 
 /// An invalid field of an instance.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -68,35 +66,13 @@ impl Range {
     }
 }
 
-/// Returns an entry of an object; `None` if it is absent or `null`, or if this is not an object.
-pub(super) fn entry<'a>(from: &'a Json, key: &str) -> Option<&'a Json> {
-    from.get(key).filter(|value| !value.is_null())
-}
-
-/// Shows a value, shortened.
-pub(super) fn shown(value: Option<&Json>) -> String {
-    let short = |text: &str| text.chars().take(SHOWN).collect::<String>();
-    match value {
-        None => "nothing".to_owned(),
-        Some(Json::String(text)) => {
-            let short = short(text);
-            let dots = if short.len() < text.len() { "…" } else { "" };
-            format!("{short:?}{dots}")
-        }
-        Some(Json::Array(list)) => format!("a list of {}", list.len()),
-        Some(Json::Object(entries)) => {
-            let names: Vec<&str> = entries.keys().map(String::as_str).collect();
-            format!("an object with {:?}", short(&names.join(", ")))
-        }
-        Some(value) => value.to_string(),
-    }
-}
-
 /// Reads a required number.
-fn number(value: Option<&Json>, field: &str, range: Range, unit: &str) -> Result<f64, FieldError> {
+fn number(value: Option<&Loose>, field: &str, range: Range, unit: &str) -> Result<f64, FieldError> {
     let expected = || format!("{} ({unit})", range.words());
-    let Some(number) = value.and_then(Json::as_f64) else {
-        return Err(FieldError::new(field, shown(value), expected()));
+    let number = match value {
+        Some(Loose::Number(v)) => *v,
+        Some(other) => return Err(FieldError::new(field, other, expected())),
+        None => return Err(FieldError::new(field, "nothing", expected())),
     };
     if number.abs() > MAX_PIXELS {
         let expected = format!("{} of at most {MAX_PIXELS:e} in size", expected());
@@ -109,8 +85,8 @@ fn number(value: Option<&Json>, field: &str, range: Range, unit: &str) -> Result
 }
 
 /// Reads an optional number.
-fn optional(from: &Json, key: &str, range: Range, unit: &str) -> Result<Option<f64>, FieldError> {
-    let value = entry(from, key);
+fn optional(from: &Loose, key: &str, range: Range, unit: &str) -> Result<Option<f64>, FieldError> {
+    let value = from.get(key);
     value
         .map(|value| number(Some(value), key, range, unit))
         .transpose()
@@ -120,14 +96,15 @@ fn optional(from: &Json, key: &str, range: Range, unit: &str) -> Result<Option<f
 ///
 /// # Errors
 /// [`FieldError`] for the first invalid field.
-pub fn read_instance(id: &str, from: &Json) -> Result<Instance, FieldError> {
+pub fn read_instance(id: &str, from: &Loose) -> Result<Instance, FieldError> {
     use Range::{Any, NotNegative, NotPositive, Positive};
-    let get = |key: &str, range, unit| number(entry(from, key), key, range, unit);
+    let get = |key: &str, range, unit| number(from.get(key), key, range, unit);
     let of = |object: &str, key: &str, unit| {
-        let value = entry(from, object).and_then(|o| entry(o, key));
+        let value = from.get(object).and_then(|o| o.get(key));
         number(value, &format!("{object}.{key}"), Any, unit)
     };
-    let heading = entry(from, "goal").and_then(|goal| entry(goal, "theta"));
+    let goal = from.get("goal").unwrap_or(&Loose::Null);
+    let heading = goal.get("theta");
     let v_max = get("vmax_px_s", Positive, "px/s")?;
     let instance = Instance {
         id: id.to_owned(),
@@ -169,18 +146,16 @@ pub fn read_instance(id: &str, from: &Json) -> Result<Instance, FieldError> {
     Ok(instance)
 }
 
-fn bounds(from: &Json) -> Result<[f64; 4], FieldError> {
+fn bounds(from: &Loose) -> Result<[f64; 4], FieldError> {
     const EXPECTED: &str = "[x, y, x, y] (px) of the lower and the upper corner";
-    let value = entry(from, "bounds_px");
-    let Some(list) = value
-        .and_then(Json::as_array)
-        .filter(|list| list.len() == 4)
-    else {
-        return Err(FieldError::new("bounds_px", shown(value), EXPECTED));
+    let value = from.get("bounds_px");
+    let Some(Loose::List(list, 4)) = value else {
+        let found = value.map_or_else(|| "nothing".to_owned(), ToString::to_string);
+        return Err(FieldError::new("bounds_px", found, EXPECTED));
     };
     let mut bounds = [0.0; 4];
     for (i, (bound, value)) in bounds.iter_mut().zip(list.iter()).enumerate() {
-        *bound = number(Some(value), &format!("bounds_px[{i}]"), Range::Any, "px")?;
+        *bound = number(Some(&value), &format!("bounds_px[{i}]"), Range::Any, "px")?;
     }
     if bounds[0] < bounds[2] && bounds[1] < bounds[3] {
         return Ok(bounds);
@@ -192,7 +167,7 @@ fn bounds(from: &Json) -> Result<[f64; 4], FieldError> {
     ))
 }
 
-fn wheels(from: &Json) -> Result<Option<Wheels>, FieldError> {
+fn wheels(from: &Loose) -> Result<Option<Wheels>, FieldError> {
     let speed = optional(from, "wheel_speed_px_s", Range::Positive, "px/s")?;
     let separation = optional(from, "wheel_separation_px", Range::Positive, "px")?;
     match (speed, separation) {
@@ -211,61 +186,70 @@ fn wheels(from: &Json) -> Result<Option<Wheels>, FieldError> {
     }
 }
 
-fn obstacles(from: &Json) -> Result<Vec<Body>, FieldError> {
-    let value = entry(from, "obstacles");
-    let Some(list) = value.and_then(Json::as_array) else {
-        let expected = "a list, empty if none";
-        return Err(FieldError::new("obstacles", shown(value), expected));
+fn obstacles(from: &Loose) -> Result<Vec<Body>, FieldError> {
+    let value = from.get("obstacles");
+    let Some(Loose::List(list, count)) = value else {
+        let found = value.map_or_else(|| "nothing".to_owned(), ToString::to_string);
+        return Err(FieldError::new("obstacles", found, "a list, empty if none"));
     };
-    if list.len() > MAX_OBSTACLES {
+    if *count > MAX_OBSTACLES {
         let expected = format!("at most {MAX_OBSTACLES} obstacles");
-        return Err(FieldError::new("obstacles", shown(value), expected));
+        return Err(FieldError::new("obstacles", value_count(*count), expected));
     }
     let bodies = list.iter().enumerate();
-    bodies.map(|(i, body)| obstacle(i, body)).collect()
+    bodies.map(|(i, body)| obstacle(i, &body)).collect()
 }
 
-fn obstacle(index: usize, value: &Json) -> Result<Body, FieldError> {
+fn value_count(count: usize) -> String {
+    format!("a list of {count}")
+}
+
+fn obstacle(index: usize, value: &Loose) -> Result<Body, FieldError> {
     let field = format!("obstacles[{index}]");
-    let get = |key: &str, range| number(entry(value, key), &format!("{field}.{key}"), range, "px");
-    match entry(value, "polygon") {
+    let get = |key: &str, range| number(value.get(key), &format!("{field}.{key}"), range, "px");
+    match value.get("polygon") {
         Some(corners) => polygon(&format!("{field}.polygon"), corners),
-        None if value.is_object() => Ok(Body::Disc {
+        None if matches!(value, Loose::Object(_)) => Ok(Body::Disc {
             x: get("x", Range::Any)?,
             y: get("y", Range::Any)?,
             r: get("r", Range::NotNegative)?,
         }),
         None => Err(FieldError::new(
             field,
-            shown(Some(value)),
+            value,
             "{\"x\", \"y\", \"r\"} or {\"polygon\": [[x, y], …]}",
         )),
     }
 }
 
-fn polygon(field: &str, value: &Json) -> Result<Body, FieldError> {
-    let refused = |expected: String| FieldError::new(field, shown(Some(value)), expected);
-    let list = value.as_array();
-    let list = list.filter(|list| (3..=MAX_CORNERS).contains(&list.len()));
-    let list =
-        list.ok_or_else(|| refused(format!("a list of 3 to {MAX_CORNERS} corners [x, y] (px)")))?;
-    let mut corners = Vec::with_capacity(list.len());
+fn polygon(field: &str, value: &Loose) -> Result<Body, FieldError> {
+    let expected = || format!("a list of 3 to {MAX_CORNERS} corners [x, y] (px)");
+    let Loose::List(list, count) = value else {
+        return Err(FieldError::new(field, value, expected()));
+    };
+    if !(3..=MAX_CORNERS).contains(count) {
+        return Err(FieldError::new(field, value, expected()));
+    }
+    let mut corners = Vec::with_capacity(*count);
     for (i, corner) in list.iter().enumerate() {
         let field = format!("{field}[{i}]");
-        let Some([x, y]) = corner.as_array().map(Vec::as_slice) else {
-            return Err(FieldError::new(
-                field,
-                shown(Some(corner)),
-                "a corner [x, y] (px)",
-            ));
+        let Loose::List(pair, 2) = corner else {
+            return Err(FieldError::new(field, corner, "a corner [x, y] (px)"));
         };
-        let at = |k: usize, value| number(Some(value), &format!("{field}[{k}]"), Range::Any, "px");
-        corners.push([at(0, x)?, at(1, y)?]);
+        let at = |k: usize| {
+            number(
+                pair.get(k).as_ref(),
+                &format!("{field}[{k}]"),
+                Range::Any,
+                "px",
+            )
+        };
+        corners.push([at(0)?, at(1)?]);
     }
     let convex = "the corners of a convex polygon with an area > 0, in order";
     counter_clockwise(corners)
         .map(Body::Polygon)
-        .ok_or_else(|| refused(convex.to_owned()))
+        .ok_or_else(|| FieldError::new(field, value_count(*count), convex))
 }
 
 /// Returns the corners of a convex polygon in counter-clockwise order; `None` if it is not one.

@@ -9,10 +9,10 @@ use std::path::{Path, PathBuf};
 use geometry::text_file;
 use platform::file_kind::FileKind;
 use serde::de::{Deserializer as _, IgnoredAny, SeqAccess, Visitor};
-use serde_json::Value as Json;
 
-use super::field::{FieldError, entry, read_instance, shown};
+use super::field::{FieldError, read_instance};
 use super::instance::Instance;
+use super::loose::Loose;
 
 /// Maximum size of a file (bytes).
 pub const MAX_FILE: u64 = 64 << 20;
@@ -107,8 +107,8 @@ pub fn parse(bytes: &[u8]) -> Result<Vec<Element>, FileProblem> {
     let bytes = text_file::without_mark(bytes);
     let start = bytes.iter().find(|b| !b.is_ascii_whitespace());
     if start != Some(&b'[') {
-        let json = serde_json::from_slice(bytes)?;
-        let found = shown(Some(&json));
+        let json: Loose = serde_json::from_slice(bytes)?;
+        let found = json.to_string();
         return Err(FileProblem::NotInstances { found });
     }
     let mut json = serde_json::Deserializer::from_slice(bytes);
@@ -140,7 +140,7 @@ impl<'de> Visitor<'de> for ElementsVisitor {
         let mut elements = Vec::new();
         let mut ids = BTreeMap::new();
         let mut invalid = 0;
-        while let Some(json) = list.next_element::<Json>()? {
+        while let Some(json) = list.next_element::<Loose>()? {
             let index = elements.len();
             elements.push(match id(&json, index, &mut ids) {
                 Ok(id) => Element {
@@ -168,19 +168,15 @@ impl<'de> Visitor<'de> for ElementsVisitor {
 }
 
 /// Returns the id of an element. `ids` holds those of the elements before it.
-fn id(json: &Json, index: usize, ids: &mut BTreeMap<String, usize>) -> Result<String, FieldError> {
-    if !json.is_object() {
+fn id(json: &Loose, index: usize, ids: &mut BTreeMap<String, usize>) -> Result<String, FieldError> {
+    if !matches!(json, Loose::Object(_)) {
         let field = format!("element {index}");
-        return Err(FieldError::new(
-            field,
-            shown(Some(json)),
-            "an instance, an object",
-        ));
+        return Err(FieldError::new(field, json, "an instance, an object"));
     }
-    let id = match entry(json, "id") {
-        Some(Json::String(id)) if (1..=MAX_ID).contains(&id.chars().count()) => id.clone(),
+    let id = match json.get("id") {
+        Some(Loose::Text(id)) if (1..=MAX_ID).contains(&id.chars().count()) => id.clone(),
         other => {
-            let found = shown(other);
+            let found = other.map_or_else(|| "nothing".to_owned(), ToString::to_string);
             let expected = format!("a text of 1 to {MAX_ID} characters");
             return Err(FieldError::new("id", found, expected));
         }

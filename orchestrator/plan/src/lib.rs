@@ -9,6 +9,7 @@ pub mod field;
 pub mod file;
 pub mod generate;
 pub mod instance;
+pub mod loose;
 pub mod routes;
 pub mod summary;
 

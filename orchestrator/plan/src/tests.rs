@@ -177,6 +177,7 @@ fn files_without_instances_are_refused_as_a_whole() {
         "{}",
         "[]",
         r#"[{"id": "a", "start": 1e999}]"#,
+        r#"[{"id": "a", "id": "b"}]"#,
         "[NaN]",
     ];
     let errors = texts.map(|text| parse(text.as_bytes()).unwrap_err().to_string());
@@ -187,6 +188,7 @@ fn files_without_instances_are_refused_as_a_whole() {
         an object with "": expected an array of at least one instance
         an empty array: expected an array of at least one instance
         not JSON: number out of range at line 1 column 27: expected an array of instances
+        not JSON: `id` occurs twice at line 1 column 17: expected an array of instances
         not JSON: expected value at line 1 column 2: expected an array of instances"#]]
     .assert_eq(&errors.join("\n"));
     let large = vec![b' '; super::file::MAX_FILE as usize + 1];
@@ -299,6 +301,7 @@ fn as_many_discs_as_are_permitted_have_a_shortest_path() {
     assert!(path.unwrap().length > 5.0);
 }
 
+/// A million obstacles are counted but not stored.
 #[test]
 fn a_million_obstacles_are_refused_with_the_limit() {
     let mut text = serde_json::to_string(&[changed("/obstacles", json!([]))]).unwrap();

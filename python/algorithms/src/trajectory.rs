@@ -8,6 +8,7 @@
 use std::sync::atomic::AtomicBool;
 
 use ::plan::field::{counter_clockwise, read_instance};
+use ::plan::loose::Loose;
 use ::trajectory::{Method, Options, PlanError, Problem, RobotLimits, Sample, Wheels};
 use ::trajectory_problem::problem::{MIN_CLEARANCE, START_TOLERANCE};
 use geometry::shape::{Aabb, Convex};
@@ -292,7 +293,7 @@ pub fn plan_instance(
 ) -> PyResult<Trajectory> {
     let options: Options = arguments::params(options)?;
     let text = arguments::json("instance", instance)?;
-    let fields = serde_json::from_str(&text)
+    let fields: Loose = serde_json::from_str(&text)
         .map_err(|error| InvalidInput::new_err(format!("instance: {error}")))?;
     let instance = read_instance("instance", &fields).map_err(invalid)?;
     let answer = compute(py, move || {
