@@ -23,6 +23,7 @@ robots = ["robot"]
 "#;
 
 #[test]
+#[expect(clippy::too_many_lines, reason = "one bag after the other")]
 fn robots_of_bags_are_where_they_were_and_processes_are_tested_on_them() {
     let sandbox = Sandbox::new();
     let run = sandbox.protean(["run", "chase_exact", "--seed", "3", "--out", "run.mcap"]);

@@ -377,7 +377,7 @@ class Log:
         self,
         *,
         moments: int = 16,
-        times: int = 20,
+        continuations: int = 20,
         share: float = 0.9,
         set: Mapping[str, Any] | None = None,
         replace: Mapping[str, Any] | None = None,
@@ -392,7 +392,7 @@ class Log:
         ----------
         moments
             Number of moments, evenly from the start to the end.
-        times
+        continuations
             Number of continuations from each moment.
         share
             Share of the recorded outcome from which on it counts as decided, above 0 and below 1.
@@ -417,12 +417,12 @@ class Log:
         --------
         >>> import protean_robotics as pr
         >>> run = pr.run("hello", seed=1, in_process=True, out="decided.mcap")
-        >>> decision, = run.decided(moments=2, times=5)["decisions"]
+        >>> decision, = run.decided(moments=2, continuations=5)["decisions"]
         >>> decision["robot"], decision["outcome"], decision["between_s"]
         ('robot', 'escaped', [0.0, 0.0])
         """
         change = _branch.arguments(set, replace, command, duration, reseed, allow_external)
-        return _branch.decided(os.fspath(self.path), moments, times, share, change)
+        return _branch.decided(os.fspath(self.path), moments, continuations, share, change)
 
     @checked
     def report(self, out: str | os.PathLike[str] | None = None, *, force: bool = False) -> Path:

@@ -116,7 +116,7 @@ pub fn ros_map(
         allow_outside,
     };
     let refused =
-        |refused: PathRefusal| invalid(&format!("{} refers to {image}: {refused}", path.display()));
+        |refused: PathRefusal| invalid(format!("{} refers to {image}: {refused}", path.display()));
     let found = match base.find(&image).map_err(refused)? {
         ScenarioFile::Disk(file) => file,
         ScenarioFile::Text(_) => PathBuf::from(&image),

@@ -179,7 +179,7 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     ),
     "Log.decided": (
         lambda **a: log().decided(**a),
-        {"moments": 1, "times": 1, "share": 0.9, "set": {}, "replace": {}, "command": {}, "duration": None, "reseed": None}
+        {"moments": 1, "continuations": 1, "share": 0.9, "set": {}, "replace": {}, "command": {}, "duration": None, "reseed": None}
         | {"allow_external": False},
     ),
     "Steering": (pr.Steering, {"v": 1.0, "omega": 1.0, "target": 1, "aim": POINT, "waypoint": POINT}),

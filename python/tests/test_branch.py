@@ -39,7 +39,7 @@ def test_a_command_counts_for_its_time(tmp_path: Path) -> None:
 
 
 def test_outcomes_are_decided_at_a_moment_or_not_before_the_end(chase: pr.Run) -> None:
-    report = chase.decided(moments=3, times=4, share=0.5)
+    report = chase.decided(moments=3, continuations=4, share=0.5)
     assert [moment["continuations"] >= 4 for moment in report["moments"]] == [True] * len(report["moments"])
     assert len(report["moments"]) >= 3
     for decision in report["decisions"]:

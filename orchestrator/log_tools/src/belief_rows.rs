@@ -101,7 +101,7 @@ impl BeliefRows {
             name.map_or(Cell::Empty, |name| Cell::Text(name.clone())),
             Cell::Bool(belief.seen == 1),
             number(enclosed),
-            Cell::F64(off[0].hypot(off[1])),
+            Cell::F64((off[0] * off[0] + off[1] * off[1]).sqrt()),
             Cell::F64(deviation_m),
             number(normalised),
             Cell::F64(belief.effective_sample_size),

@@ -23,11 +23,21 @@ const MAX_AGE: Duration = Duration::from_millis(10);
 /// Maximum number of batches that wait for the thread; with more, the recorder waits.
 const MAX_WAITING: usize = 8;
 
+/// A message of a batch.
+struct Entry {
+    topic: TopicId,
+    stamp: Stamp,
+    time_ns: u64,
+    /// Length (bytes).
+    length: usize,
+    rejected: bool,
+}
+
 /// Messages and ends of ticks, in order.
 #[derive(Default)]
 struct Batch {
-    /// Topic, stamp, time (ns), length (bytes) and rejection of a message; `None` at the end of a tick.
-    entries: Vec<Option<(TopicId, Stamp, u64, usize, bool)>>,
+    /// `None` at the end of a tick.
+    entries: Vec<Option<Entry>>,
     bytes: Vec<u8>,
     /// `true` if the thread shall flush what is due, and answer.
     flush: bool,
@@ -90,8 +100,13 @@ impl LogThread {
             bytes,
         } = *message;
         self.batch.bytes.extend_from_slice(bytes);
-        let entry = (topic, stamp, time_ns, bytes.len(), rejected);
-        self.batch.entries.push(Some(entry));
+        self.batch.entries.push(Some(Entry {
+            topic,
+            stamp,
+            time_ns,
+            length: bytes.len(),
+            rejected,
+        }));
         if self.batch.bytes.len() >= BATCH_BYTES {
             return self.pass_on(false);
         }
@@ -161,19 +176,19 @@ fn write(
     for batch in batches {
         let mut rest = &batch.bytes[..];
         for entry in batch.entries {
-            let Some((topic, stamp, time_ns, length, rejected)) = entry else {
+            let Some(entry) = entry else {
                 log.end_of_tick()?;
                 continue;
             };
-            let (bytes, behind) = rest.split_at(length);
+            let (bytes, behind) = rest.split_at(entry.length);
             rest = behind;
             let message = LoggedMessage {
-                topic,
-                stamp,
-                time_ns,
+                topic: entry.topic,
+                stamp: entry.stamp,
+                time_ns: entry.time_ns,
                 bytes,
             };
-            log.message(&message, rejected)?;
+            log.message(&message, entry.rejected)?;
         }
         if batch.flush {
             log.flush_if_due()?;

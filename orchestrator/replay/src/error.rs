@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use mcap_log::LogReadError;
 
-use crate::import::BagFault;
+use crate::bag_fault::BagFault;
 use mission::MissionError;
 
 /// Error of replaying or repeating a run from its log.

@@ -2,6 +2,7 @@
 //! processes under test, and [`rerun()`] executes its scenario again, with its [branches](lineage). The latter two compare the result
 //! with the log. [`import()`](import::import) makes a log of a recording of ROS 2.
 
+mod bag_fault;
 mod error;
 pub mod import;
 pub mod lineage;

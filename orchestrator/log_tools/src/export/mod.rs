@@ -233,7 +233,7 @@ impl Export<'_> {
                 let (table, rows) = if let Some(table) = table {
                     table
                 } else {
-                    let file = self.out.join(&*name).with_extension(options.extension());
+                    let file = self.out.join(*name).with_extension(options.extension());
                     let open = derived::create(&file, log, options.force, Readers::All)?;
                     let rows = tables::begin(options.format, open, &measured.columns());
                     let rows = rows.map_err(derived::failed(&file))?;

@@ -10,9 +10,9 @@ use ros_messages::messages::{Header, LaserScan, OccupancyGrid, Odometry, TFMessa
 use ros_messages::{CdrError, decode};
 use serde::de::DeserializeOwned;
 
-use super::fault::BagFault;
 use super::frames::{Frames, nanoseconds};
 use crate::ReplayError;
+use crate::bag_fault::BagFault;
 
 /// Types of messages that are imported.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -9,9 +9,12 @@ use ros_messages::upright_pose;
 /// Maximum number of frames between two others.
 const MAX_DEPTH: usize = 64;
 
-/// The transforms of a bag by the namespace of their topic and the child frame: time (ns), parent, and place in it.
+/// The transforms of a bag by the namespace of their topic and the child frame.
 #[derive(Debug, Default)]
-pub struct Frames(BTreeMap<(String, String), Vec<(i64, String, Pose2)>>);
+pub struct Frames(BTreeMap<(String, String), Vec<Link>>);
+
+/// Time of a transform (ns), parent, and place in it.
+type Link = (i64, String, Pose2);
 
 /// Returns a time of ROS 2 in nanoseconds.
 pub fn nanoseconds(time: &Time) -> i64 {

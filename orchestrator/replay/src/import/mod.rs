@@ -4,7 +4,6 @@
 //! them, with the scans of the bag. All processes step as in any run, so that the log has their answers, too.
 
 mod bag;
-mod fault;
 mod frames;
 
 #[cfg(test)]
@@ -32,9 +31,9 @@ use scenario::{Loader, ResolvedScenario};
 use serde::Serialize;
 
 use self::bag::{Bag, MessageType, Samples, namespace};
-pub use self::fault::BagFault;
 use self::frames::Frames;
 use crate::ReplayError;
+pub use crate::bag_fault::BagFault;
 
 /// Least value of an occupied cell of a map; a negative value is an unknown cell.
 const OCCUPIED: i8 = 50;
