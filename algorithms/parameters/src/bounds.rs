@@ -10,7 +10,7 @@ pub const UNIT: &str = "x-unit";
 
 /// Range and unit of a number, or of each number of a list.
 ///
-/// Stands in brackets behind the type of a field in [`table!`](crate::table), or in `#[schemars(transform = …)]`.
+/// Stands in brackets behind the type of a field in [`table!`](macro@crate::table), or in `#[schemars(transform = …)]`.
 /// Floating-point numbers must always be finite.
 #[derive(Debug, Clone, Default)]
 pub struct Bounds {
