@@ -229,8 +229,8 @@ fn a_node_on_which_a_robot_failed_is_visited_beside_it_without_delay() {
     team.failed = vec![1];
     team.drive(nodes, 100.0);
     let worst_s = team.drive(nodes, 300.0).figures().unwrap().worst_s;
-    // A walk of 10 edges of 5 m at 1 m/s and its turns, by one robot.
-    assert!(worst_s <= 60.0, "{worst_s}");
+    // A walk of 10 edges of 5 m at 1 m/s by one robot: 51.7 s, and 56.4 s if it tries to reach the body.
+    assert!(worst_s <= 54.0, "{worst_s}");
 }
 
 #[test]
