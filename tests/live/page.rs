@@ -281,7 +281,7 @@ fn breaking_proxy(to: &str, path: &str) -> String {
             std::thread::spawn(move || {
                 let (mut part, mut lines) = ([0; 4096], 0);
                 while let Ok(read @ 1..) = server.read(&mut part) {
-                    lines += part[..read].iter().filter(|byte| **byte == b'\n').count();
+                    lines += part[..read].split(|byte| *byte == b'\n').count() - 1;
                     if client.write_all(&part[..read]).is_err() || cuts && lines >= CUT_AFTER {
                         break;
                     }
