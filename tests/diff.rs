@@ -53,7 +53,7 @@ fn scenario_files_seeds_and_the_scenario_of_a_log_are_sides() {
         ("diff city.toml --seed-b 2 --json", "run.seed"),
         ("diff a.mcap --seed-b 2 --json", "run.seed"),
         (
-            "diff other.toml a.mcap --set-b teams.evader.limits.v_max=0.1 --seed 1 --json",
+            "diff a.mcap --set-b teams.evader.limits.v_max=0.1 --json",
             "robots.evader_1.limits.v_max",
         ),
     ] {
@@ -78,6 +78,7 @@ fn sides_that_cannot_be_compared_are_refused() {
     assert_eq!(sandbox.protean(words.split(' ')).run().code, Some(0));
     for (words, expected) in [
         ("diff a.mcap a.mcap --seed 2", "a.mcap is a log"),
+        ("diff a.mcap --set-b rules.time_limit=1", "changes nothing"),
         ("diff a.mcap chse", "did you mean `chase`"),
         ("diff chase --set rules.timelimit=1", "time_limit"),
     ] {

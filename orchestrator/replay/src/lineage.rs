@@ -17,6 +17,7 @@ use scenario::{Loader, Program, ResolvedScenario};
 use serde::{Deserialize, Serialize};
 
 use crate::ReplayError;
+use crate::origin::{changes_nothing, of_robots};
 
 /// Name that stands for all processes.
 pub const ALL: &str = "all";
@@ -192,11 +193,7 @@ fn changed(
         };
         process.program = Program::Kind(kind);
     }
-    let set: Vec<String> = change
-        .set
-        .iter()
-        .flat_map(|text| of_robots(text, &now))
-        .collect();
+    let set = of_robots(&change.set, &now);
     let loader = Loader::new(kinds);
     let (text, option) = (
         draft.to_toml(),
@@ -209,10 +206,7 @@ fn changed(
     next.processes.sort_by_key(|process| place(&process.name));
     let texts = [&change.set[..], &change.replace].concat().join(" ");
     if next == now {
-        return Err(argument(format!(
-            "{option} {texts}: changes nothing: expected another value; in a log each robot has its limits (robots.NAME.…) \
-             and each process its parameters (processes.NAME.params.…)"
-        )));
+        return Err(changes_nothing(&format!("{option} {texts}")));
     }
     if let Some(what) = fixed_part(&now, &next) {
         return Err(argument(format!(
@@ -221,17 +215,6 @@ fn changed(
         )));
     }
     Ok(next)
-}
-
-/// Returns an override of a team's limits as those of its robots, others as they are.
-fn of_robots(text: &str, now: &ResolvedScenario) -> Vec<String> {
-    let of_team = || {
-        let (team, rest) = text.strip_prefix("teams.")?.split_once(".limits.")?;
-        let robots = now.world.robots.iter().filter(|robot| robot.team == team);
-        let keys = robots.map(|robot| format!("robots.{}.limits.{rest}", robot.name));
-        Some(keys.collect())
-    };
-    of_team().unwrap_or_else(|| vec![text.to_owned()])
 }
 
 /// Returns what differs of that which no branch can change.

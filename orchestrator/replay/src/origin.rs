@@ -60,7 +60,34 @@ pub fn scenario_of(
     if changes.is_empty() {
         return Ok(scenario);
     }
-    load(changes).map_err(|problems| LogReadError::Argument(format!("--set:\n{problems}")))
+    let next = load(&of_robots(changes, &scenario))
+        .map_err(|problems| LogReadError::Argument(format!("--set:\n{problems}")))?;
+    // The same seed repeats the run.
+    if next == scenario && !changes.iter().all(|text| text.starts_with("run.seed=")) {
+        return Err(changes_nothing(&changes.join(" ")));
+    }
+    Ok(next)
+}
+
+/// Returns overrides with limits of teams as those of their robots: a scenario in a log has no teams.
+pub(crate) fn of_robots(changes: &[String], now: &ResolvedScenario) -> Vec<String> {
+    let of_team = |text: &str| {
+        let (team, rest) = text.strip_prefix("teams.")?.split_once(".limits.")?;
+        let robots = now.world.robots.iter().filter(|robot| robot.team == team);
+        let keys = robots.map(|robot| format!("robots.{}.limits.{rest}", robot.name));
+        Some(keys.collect())
+    };
+    let all = changes.iter();
+    all.flat_map(|text| of_team(text).unwrap_or_else(|| vec![text.clone()]))
+        .collect()
+}
+
+/// The error of overrides without an effect on the scenario of a log.
+pub(crate) fn changes_nothing(changes: &str) -> LogReadError {
+    LogReadError::Argument(format!(
+        "{changes}: changes nothing: expected another value; in a log each robot has its limits (robots.NAME.…) and each \
+         process its parameters (processes.NAME.params.…)"
+    ))
 }
 
 /// Error of a comparison without a digest and without messages: nothing shows that the runs are identical.
