@@ -153,6 +153,10 @@ fn a_sweep_has_the_detected_attacks_of_each_adversary_with_their_interval() {
     sandbox.file("attacks.toml", text);
     let words = ["sweep", "attacks.toml", "--in-process", "--quiet"];
     let summary = sandbox.protean(words).args(["--out", "out"]).json();
+    let mut results = csv::Reader::from_path(sandbox.path().join("out/results.csv")).unwrap();
+    for row in results.deserialize::<BTreeMap<String, String>>() {
+        assert_eq!(row.unwrap()["evader_distance_m"], "0.0");
+    }
     let mut table = csv::Reader::from_path(sandbox.path().join("out/adversaries.csv")).unwrap();
     let mut counts: BTreeMap<String, (u64, u64)> = BTreeMap::new();
     for row in table.deserialize::<BTreeMap<String, String>>() {

@@ -124,7 +124,8 @@ impl Row {
             times.min_by(f64::total_cmp)
         };
         let timed_out = summary.robots.iter().any(|r| r.outcome == "timed_out");
-        let distance: f64 = evaders().map(|r| r.distance_m).sum();
+        // A sum of nothing is -0 in Rust.
+        let distance = evaders().fold(0.0, |sum, r| sum + r.distance_m);
         let time: f64 = evaders().map(|r| r.time_s).sum();
         Self {
             outcome: if timed_out {
