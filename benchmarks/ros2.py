@@ -61,7 +61,12 @@ def run(args, folder, mode, *words):
         return json.loads(protean(args, *words, "--set", f"processes.bridge.params.domain={domain}"))
     finally:
         node.terminate()
-        node.wait()
+        try:
+            node.wait(timeout=10)
+        except subprocess.TimeoutExpired:
+            # Fast DDS can lock itself at the end of a process.
+            node.kill()
+            node.wait()
 
 
 def load():
@@ -75,6 +80,7 @@ def main():
     parser.add_argument("--runs", type=int, default=2)
     parser.add_argument("--hogs", type=int, default=3)
     parser.add_argument("--length", type=float, default=20.0, help="length of the runs in lock-step (s)")
+    parser.add_argument("--rate", type=float, default=50.0, help="ticks per second of the run in real time")
     parser.add_argument("--seconds", type=float, default=60.0, help="length of the run in real time (s)")
     args = parser.parse_args()
     with tempfile.TemporaryDirectory() as name:
@@ -97,10 +103,10 @@ def main():
                 for process in busy:
                     process.kill()
                     process.wait()
-        words = ("--real-time", "--set", "run.dt=0.02", "--set", f"rules.time_limit={args.seconds}")
+        words = ("--real-time", "--set", f"run.dt={1 / args.rate}", "--set", f"rules.time_limit={args.seconds}")
         summary = run(args, folder, "event", *words)
         gaps = sum(topic["gaps"] for topic in summary["topics"].values())
-        print(f"real time, 50 Hz, {summary['ticks']} ticks: {gaps} messages lost in the run; {load()}")
+        print(f"real time, {args.rate:g} Hz, {summary['ticks']} ticks: {gaps} messages lost in the run; {load()}")
         print(protean(args, "latency", str(folder / "run.mcap")))
 
 
