@@ -45,8 +45,9 @@ class VectorEnv(gymnasium.vector.VectorEnv[NDArray[np.float32], NDArray[np.float
     agents
         Names of the robots, teams or processes that the learner steers.
     observation
-        Contents of the observations: "state" (true poses of all robots, lines of sight), "scan" (own range scan) or
-        "belief" (beliefs about opponents), "path" (shortest paths to exits and opponents), or several as in "state+path".
+        Contents of the observations: "state" (true poses of all robots, lines of sight), "scan" (own range scan),
+        "belief" (beliefs about opponents), "path" (shortest paths to exits and opponents), "potential" (action of
+        `evader_potential`), or several as in "state+path".
         Attribute `entries` has the names of all entries.
     action
         Meaning of the actions: "twist" (forward speed and turning rate) or, for evaders, "tune" (parameters of an

@@ -237,7 +237,7 @@ def test_ways_lead_to_the_exit() -> None:
 
 
 def test_the_action_zero_is_evader_potential_and_others_are_not() -> None:
-    options: dict[str, Any] = {"agents": ["evader_1"], "observation": "state+path", "seed": 3}
+    options: dict[str, Any] = {"agents": ["evader_1"], "observation": "state+potential", "seed": 3}
     twist = pr.VectorEnv("chase_exact", 1, **options)
     tune = pr.VectorEnv("chase_exact", 1, action="tune", **options)
     action = [twist.entries[0].index(f"potential.{name}") for name in ("speed", "turn")]
@@ -274,7 +274,7 @@ def test_the_residual_zero_is_evader_potential(scenario: str, agents: list[str])
 
 
 def test_a_residual_is_added_to_the_action_of_evader_potential() -> None:
-    options: dict[str, Any] = {"agents": ["evader_1"], "observation": "state+path", "seed": 3}
+    options: dict[str, Any] = {"agents": ["evader_1"], "observation": "state+potential", "seed": 3}
     twist = pr.VectorEnv("chase_exact", 1, **options)
     residual = pr.VectorEnv("chase_exact", 1, action="residual", **options)
     action = [twist.entries[0].index(f"potential.{name}") for name in ("speed", "turn")]

@@ -7,7 +7,7 @@ use thiserror::Error;
 pub enum LayoutError {
     /// The contents have an unknown name.
     #[error(
-        "observation {given:?}: expected one of state, scan, belief, path, or several of them as in state+scan"
+        "observation {given:?}: expected one of state, scan, belief, path, potential, or several of them as in state+scan"
     )]
     Parts {
         /// The name.

@@ -40,7 +40,7 @@ const BELIEF_LENGTH: usize = 5 + relative::LENGTH;
 /// - `belief`: every opponent in the scenario's order (10 each): 1 if there is a belief; 1 if a robot of the team sees
 ///   it; relative position of the mean; cosine and sine of its mean heading relative to the own one; 1 / (1 + σ) with
 ///   the standard deviation σ of the position (m). All 0 without a belief;
-/// - `path`: see [`RouteEntries`], which writes them.
+/// - `path`, `potential`: see [`RouteEntries`], which writes them.
 ///
 /// A *relative position* has 5 entries: the parts ahead and to the left, divided by the diagonal of the map; cosine and
 /// sine of the bearing; 1 / (1 + d) with the distance d (m).
@@ -53,7 +53,7 @@ pub struct Layout {
     others: Vec<usize>,
     opponents: Vec<usize>,
     beams: usize,
-    /// The empty memory of the ways, if these are among the parts.
+    /// The empty memory of `path` and `potential`, if these are among the parts.
     ways: Option<RouteEntries>,
     names: Vec<String>,
 }
@@ -97,13 +97,13 @@ impl Layout {
             return Err(LayoutError::NoOpponents { robot });
         }
         layout.names = layout.entry_names(robots);
-        if parts.path {
+        if parts.path || parts.potential {
             let opponents: Vec<usize> = others(true).filter(is_opponent).collect();
             let name = |&i: &usize| robots.get(i).map_or("", |robot| &robot.name);
-            let names = RouteEntries::names(opponents.iter().map(name));
+            let names = RouteEntries::names(parts, opponents.iter().map(name));
             let start = layout.names.len();
             layout.names.extend(names);
-            layout.ways = Some(RouteEntries::new(start, me, own, opponents));
+            layout.ways = Some(RouteEntries::new(parts, start, me, own, opponents));
         }
         Ok(layout)
     }

@@ -32,6 +32,8 @@ pub struct Parts {
     pub belief: bool,
     /// Shortest paths to the exits and to opponents.
     pub path: bool,
+    /// The action of the potential-field evader.
+    pub potential: bool,
 }
 
 impl FromStr for Parts {
@@ -45,6 +47,7 @@ impl FromStr for Parts {
                 "scan" => &mut parts.scan,
                 "belief" => &mut parts.belief,
                 "path" => &mut parts.path,
+                "potential" => &mut parts.potential,
                 _ => {
                     let given = text.to_owned();
                     return Err(LayoutError::Parts { given });
@@ -63,6 +66,7 @@ impl fmt::Display for Parts {
             (self.scan, "scan"),
             (self.belief, "belief"),
             (self.path, "path"),
+            (self.potential, "potential"),
         ];
         let mut separator = "";
         for (_, name) in named.into_iter().filter(|(given, _)| *given) {

@@ -1,9 +1,10 @@
 //! Shortest ways of a robot to the exits, the action of the potential-field evader, and who is where first.
 
-use core::f64::consts::TAU;
+use core::f64::consts::FRAC_1_SQRT_2;
+use std::sync::Arc;
 
 use nalgebra::{Point2, Vector2};
-use navigation::routes::{Lengths, LengthsFrom, RouteFinder};
+use navigation::routes::{Lengths, LengthsFrom, RouteEnd, RouteFinder};
 use planner_view::map::PlannerMap;
 use planner_view::view::{RobotView, View};
 use robot::spec::RobotModel;
@@ -11,11 +12,22 @@ use robot::spec::RobotModel;
 use crate::action::{ActionKind, action};
 use crate::facts::RobotFacts;
 use crate::field_evader::FieldEvader;
-use crate::parts::MAX_EXITS;
+use crate::parts::{MAX_EXITS, Parts};
 use crate::relative::{Heading, Offset};
 
 /// Number of directions around the robot.
 const DIRECTIONS: usize = 8;
+/// Unit vectors along them, in the robot's frame.
+const AROUND: [[f64; 2]; DIRECTIONS] = [
+    [1.0, 0.0],
+    [FRAC_1_SQRT_2, FRAC_1_SQRT_2],
+    [0.0, 1.0],
+    [-FRAC_1_SQRT_2, FRAC_1_SQRT_2],
+    [-1.0, 0.0],
+    [-FRAC_1_SQRT_2, -FRAC_1_SQRT_2],
+    [0.0, -1.0],
+    [FRAC_1_SQRT_2, -FRAC_1_SQRT_2],
+];
 /// Distance of the places in these directions (m), if no obstacle is nearer.
 const REACH: f64 = 1.0;
 /// Largest difference of two lengths in an observation (m).
@@ -33,9 +45,10 @@ const DIRECTION_LENGTH: usize = 3;
 /// Slot of the route finder.
 const OUT: usize = 0;
 
-/// Writes the part `path` of the observations of one robot, and keeps what it knows of the map between ticks.
+/// Writes the parts `path` and `potential` of the observations of one robot, and keeps what it knows of the map between ticks.
 ///
-/// In this order; all 0 for what is unknown or not in the game:
+/// In this order, those of `potential` only with that part and all others only with `path`; all 0 for what is unknown or not
+/// in the game:
 ///
 /// - `path` (4): cosine and sine of the bearing of the first straight leg of the shortest way to an exit; its length / 10 m,
 ///   at most 1; 1 / (1 + length in m);
@@ -56,40 +69,58 @@ pub struct RouteEntries {
     finder: RouteFinder,
     /// Map and radius (m) of the lengths.
     built_for: Option<(u64, f64)>,
+    lengths: Option<Arc<Lengths>>,
     exits: [LengthsFrom; MAX_EXITS],
     opponents_from: Vec<LengthsFrom>,
-    /// The potential-field evader, for an evader.
+    parts: Parts,
+    /// The potential-field evader, for an evader whose observations have it.
     potential: Option<FieldEvader>,
     own: RobotModel,
 }
 
 impl RouteEntries {
     /// Creates the memory of a robot, for observations whose ways begin at entry `start`.
-    pub(crate) fn new(start: usize, me: usize, own: &RobotFacts, opponents: Vec<usize>) -> Self {
+    pub(crate) fn new(
+        parts: Parts,
+        start: usize,
+        me: usize,
+        own: &RobotFacts,
+        opponents: Vec<usize>,
+    ) -> Self {
+        let potential = || FieldEvader::new(ActionKind::default(), own, me).ok();
         Self {
             start,
             me,
-            potential: FieldEvader::new(ActionKind::default(), own, me).ok(),
+            parts,
+            potential: parts.potential.then(potential).flatten(),
             own: own.model,
             opponents_from: vec![LengthsFrom::default(); opponents.len()],
             opponents,
             finder: RouteFinder::default(),
             built_for: None,
+            lengths: None,
             exits: Default::default(),
         }
     }
 
     /// Returns the names of the entries, with the names of the opponents.
-    pub(crate) fn names<'a>(opponents: impl Iterator<Item = &'a str>) -> Vec<String> {
+    pub(crate) fn names<'a>(parts: Parts, opponents: impl Iterator<Item = &'a str>) -> Vec<String> {
         let mut names = Vec::new();
         let mut add = |prefix: &str, entries: &[&str]| {
             names.extend(entries.iter().map(|entry| format!("{prefix}.{entry}")));
         };
         let bearing = ["bearing_cos", "bearing_sin"];
-        add("path", &bearing);
-        add("path", &["length", "proximity"]);
-        add("potential", &bearing);
-        add("potential", &["speed", "turn"]);
+        if parts.path {
+            add("path", &bearing);
+            add("path", &["length", "proximity"]);
+        }
+        if parts.potential {
+            add("potential", &bearing);
+            add("potential", &["speed", "turn"]);
+        }
+        if !parts.path {
+            return names;
+        }
         for opponent in opponents {
             let prefix = format!("path_to.{opponent}");
             add(&prefix, &["proximity", "exit_lead"]);
@@ -111,13 +142,25 @@ impl RouteEntries {
         let Some(own) = own.filter(|own| own.active || own.present) else {
             return;
         };
-        self.finder.prepare(map, own.radius);
-        let (out, rest) = out.split_at_mut(OUT_LENGTH.min(out.len()));
-        self.write_out(map, view, own, out);
-        let (potential, rest) = rest.split_at_mut(POTENTIAL_LENGTH.min(rest.len()));
+        let mut rest = out;
+        let mut take = |length: usize| {
+            let length = length.min(rest.len());
+            rest.split_off_mut(..length).unwrap_or_default()
+        };
+        let path = take(if self.parts.path { OUT_LENGTH } else { 0 });
+        let potential = take(if self.parts.potential {
+            POTENTIAL_LENGTH
+        } else {
+            0
+        });
         self.write_potential(map, view, own, potential);
-        let opponents = (self.opponents.len() * OPPONENT_LENGTH).min(rest.len());
-        let (opponents, around) = rest.split_at_mut(opponents);
+        if !self.parts.path {
+            return;
+        }
+        self.finder.prepare(map, own.radius);
+        self.write_out(map, view, own, path);
+        let opponents = take(self.opponents.len() * OPPONENT_LENGTH);
+        let around = rest;
         self.write_places(map, view, own, opponents, around);
     }
 
@@ -159,26 +202,30 @@ impl RouteEntries {
         around: &mut [f32],
     ) {
         let here = own.pose.position();
-        let places: [(f64, Point2<f64>); DIRECTIONS] = core::array::from_fn(|k| {
-            let angle = own.pose.theta + TAU * k as f64 / DIRECTIONS as f64;
-            let (sin, cos) = geometry::math::sincosf(angle as f32);
-            let step = Vector2::new(f64::from(cos), f64::from(sin));
-            let free = map.free_run(here, here + REACH * step, own.radius);
-            (free, here + free * step)
-        });
-        let lengths = Lengths::of_map(map, own.radius);
         let built_for = Some((map.revision(), own.radius));
         if self.built_for != built_for {
             self.built_for = built_for;
+            self.lengths = Some(Lengths::of_map(map, own.radius));
             self.exits.fill(LengthsFrom::default());
             self.opponents_from.fill(LengthsFrom::default());
         }
+        let Some(lengths) = &self.lengths else {
+            return;
+        };
+        let (sin, cos) = geometry::math::sincosf(own.pose.theta as f32);
+        let (sin, cos) = (f64::from(sin), f64::from(cos));
+        let places = AROUND.map(|[x, y]| {
+            let step = Vector2::new(cos * x - sin * y, sin * x + cos * y);
+            let free = map.free_run(here, here + REACH * step, own.radius);
+            (free, lengths.end(here + free * step))
+        });
+        let here = lengths.end(here);
         let mut to_exit = [f64::INFINITY; DIRECTIONS];
         let mut own_to_exit = f64::INFINITY;
         for (exit, from) in view.usable_exits().zip(&mut self.exits) {
             if lengths.start(exit, from) {
-                own_to_exit = own_to_exit.min(lengths.to(from, here));
-                shorten(&mut to_exit, &lengths, from, &places);
+                own_to_exit = own_to_exit.min(from.to(here));
+                shorten(&mut to_exit, from, &places);
             }
         }
         let mut to_opponent = [f64::INFINITY; DIRECTIONS];
@@ -189,16 +236,13 @@ impl RouteEntries {
             if !at.is_some_and(|at| lengths.start(at, from)) {
                 continue;
             }
-            shorten(&mut to_opponent, &lengths, from, &places);
+            shorten(&mut to_opponent, from, &places);
             let exits = view.usable_exits().take(MAX_EXITS);
             let exit = exits
-                .map(|exit| lengths.to(from, exit))
+                .map(|exit| from.to(lengths.end(exit)))
                 .fold(f64::INFINITY, f64::min);
             // NaN, if there is no way for both, becomes 0.
-            *entry = [
-                proximity(lengths.to(from, here)),
-                scaled(exit - own_to_exit),
-            ];
+            *entry = [proximity(from.to(here)), scaled(exit - own_to_exit)];
         }
         let entries = around.as_chunks_mut::<DIRECTION_LENGTH>().0;
         let found = places.iter().zip(to_exit).zip(to_opponent);
@@ -221,14 +265,9 @@ fn position(view: &View<'_>, index: usize) -> Option<Point2<f64>> {
 }
 
 /// Replaces lengths by those of other ways that are shorter.
-fn shorten(
-    known: &mut [f64],
-    lengths: &Lengths,
-    from: &LengthsFrom,
-    places: &[(f64, Point2<f64>)],
-) {
+fn shorten(known: &mut [f64], from: &LengthsFrom, places: &[(f64, Option<RouteEnd>)]) {
     for (known, &(_, place)) in known.iter_mut().zip(places) {
-        *known = known.min(lengths.to(from, place));
+        *known = known.min(from.to(place));
     }
 }
 

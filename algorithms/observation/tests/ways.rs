@@ -95,14 +95,17 @@ fn observed(world: &World, parts: &str) -> BTreeMap<String, f32> {
 #[test]
 fn the_way_goes_around_the_block_and_the_evader_past_an_opponent_around_the_other_side() {
     // It looks along +x; the way below the block is shorter, and the pursuer stands in it.
-    let seen = observed(&world(Pose2::new(1.0, 2.7, 0.0), [4.0, 1.0]), "path");
+    let seen = observed(
+        &world(Pose2::new(1.0, 2.7, 0.0), [4.0, 1.0]),
+        "path+potential",
+    );
     assert!(seen["path.bearing_sin"] < -0.5, "{seen:?}");
     assert!(seen["potential.bearing_sin"] > 0.5, "{seen:?}");
     let length = 1.0 / seen["path.proximity"] - 1.0;
     assert!((6.5..8.5).contains(&length), "{length}");
     assert!((seen["path.length"] - length / 10.0).abs() < 1e-3);
     // Far from both ways it has no effect.
-    let seen = observed(&world(Pose2::new(1.0, 2.7, 0.0), [0.3, 5.7]), "path");
+    let seen = observed(&world(Pose2::new(1.0, 2.7, 0.0), [0.3, 5.7]), "potential");
     assert!(seen["potential.bearing_sin"] < -0.5, "{seen:?}");
 }
 
@@ -125,7 +128,7 @@ fn the_action_of_the_potential_field_is_that_of_its_planner() {
     };
     let map = PlannerMap::of_world(world.map(), 0.19, 0).unwrap();
     let expected = action(evader.command(&map, &view).command, &model);
-    let seen = observed(&world, "path");
+    let seen = observed(&world, "potential");
     assert_ne!(expected, [0.0, 0.0]);
     assert_eq!([seen["potential.speed"], seen["potential.turn"]], expected);
 }
@@ -167,7 +170,10 @@ fn places_around_know_walls_the_exit_and_opponents() {
 #[test]
 fn ways_are_the_last_entries_and_others_stay_what_they_are() {
     let world = world(Pose2::new(1.0, 2.7, 0.4), [4.0, 1.0]);
-    let (alone, both) = (observed(&world, "state"), observed(&world, "state+path"));
-    assert!(both.len() > alone.len());
-    assert!(alone.iter().all(|(name, value)| both[name] == *value));
+    let all = observed(&world, "state+path+potential");
+    for (parts, added) in [("state+path", 4), ("state+potential", 30), ("state", 34)] {
+        let some = observed(&world, parts);
+        assert_eq!(all.len() - some.len(), added, "{parts}");
+        assert!(some.iter().all(|(name, value)| all[name] == *value));
+    }
 }

@@ -6,6 +6,8 @@
 //! functions of the inputs and of one ChaCha8 stream per observed robot.
 //!
 //! ```
+//! use std::sync::Arc;
+//!
 //! use geometry::blur::BlurredMap;
 //! use geometry::grid::{Grid, GridFrame};
 //! use geometry::pose::Pose2;
@@ -14,6 +16,7 @@
 //! use rand_chacha::ChaCha8Rng;
 //! use tracking::params::PerceptionParams;
 //! use tracking::particle_filter::MotionLimits;
+//! use tracking::space::Space;
 //! use tracking::tracker::{Perception, TargetSetup, TargetTruth};
 //!
 //! // A free place of 4 m × 4 m.
@@ -24,6 +27,7 @@
 //!     origin: Point2::origin(),
 //! };
 //! let map = BlurredMap::new(&Grid::filled(frame, true), 0.15)?;
+//! let space = Arc::new(Space::new(&map));
 //! let start = Pose2::new(3.0, 2.0, 0.0);
 //! let evader = TargetSetup {
 //!     robot: 1,
@@ -35,7 +39,7 @@
 //!     start: Some(start),
 //!     rng: ChaCha8Rng::seed_from_u64(1),
 //! };
-//! let mut perception = Perception::new(&PerceptionParams::default(), &map, vec![evader])?;
+//! let mut perception = Perception::new(&PerceptionParams::default(), space, vec![evader])?;
 //! let observers = [Pose2::new(1.0, 2.0, 0.0)];
 //! let truth = TargetTruth {
 //!     robot: 1,

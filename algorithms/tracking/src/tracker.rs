@@ -1,6 +1,7 @@
 //! All opponents of a team: sightings and beliefs for each tick.
 
-use geometry::blur::BlurredMap;
+use std::sync::Arc;
+
 use geometry::pose::Pose2;
 use parameters::{ParamsError, check};
 use rand_chacha::ChaCha8Rng;
@@ -113,7 +114,7 @@ impl Track {
 #[derive(Debug, Clone)]
 pub struct Perception {
     params: PerceptionParams,
-    space: Space,
+    space: Arc<Space>,
     watch: Watch,
     tracks: Vec<Track>,
 }
@@ -125,11 +126,10 @@ impl Perception {
     /// [`PerceptionError`] if a parameter or a limit is out of its range.
     pub fn new(
         params: &PerceptionParams,
-        map: &BlurredMap,
+        space: Arc<Space>,
         targets: Vec<TargetSetup>,
     ) -> Result<Self, PerceptionError> {
         check(params)?;
-        let space = Space::new(map);
         let mut tracks = Vec::with_capacity(targets.len());
         for target in targets {
             check_limits(target.robot, &target.limits)?;
@@ -162,8 +162,8 @@ impl Perception {
 
     /// Sets a changed map. The particles stay; those that are now in an obstacle get weight 0 at
     /// the next update.
-    pub fn set_map(&mut self, map: &BlurredMap) {
-        self.space = Space::new(map);
+    pub fn set_map(&mut self, space: Arc<Space>) {
+        self.space = space;
     }
 
     /// Advances by `dt` (s): senses every opponent in `targets` from the observers' poses and

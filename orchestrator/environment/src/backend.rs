@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use geometry::pose::{Pose2, Twist2};
-use mission::in_process::SteppedRun;
+use mission::in_process::{DirectRun, SteppedRun};
 use planner::PlannerProcess;
 use planner_view::view::{BeliefView, RobotView, View};
 use scenario::kind::ConfiguredKind;
@@ -92,11 +92,11 @@ impl Backend for WorldBackend {
 }
 
 /// The world with the processes of the scenario.
-pub struct WithProcesses {
-    run: SteppedRun,
-    commands: Arc<Current>,
-    /// `true` if all planners step on one view, without messages.
-    is_direct: bool,
+pub enum WithProcesses {
+    /// Their planners need only state and map: they step on one view, without messages.
+    Direct(Box<DirectRun>),
+    /// Over a bus, with the commands of the agents.
+    Messages(Box<SteppedRun>, Arc<Current>),
 }
 
 impl Backend for WithProcesses {
@@ -112,18 +112,20 @@ impl Backend for WithProcesses {
             }
         }
         let beliefs = shared.options.observation.belief;
-        let mut run = SteppedRun::open(&scenario, &own, beliefs, &shared.cache)?;
+        let run = SteppedRun::open(&scenario, &own, beliefs, &shared.cache)?;
         let is_quiet = scenario.events.is_empty()
             && scenario.links_by_receiver().iter().all(Vec::is_empty)
             && shared.options.programs.is_empty();
-        let is_direct = is_quiet && !beliefs && run.is_direct();
-        let mut this = Self {
-            run,
-            commands,
-            is_direct,
+        let mut run = if is_quiet && !beliefs {
+            match run.into_direct() {
+                Ok(direct) => return Ok(Self::Direct(Box::new(direct))),
+                Err(run) => run,
+            }
+        } else {
+            Box::new(run)
         };
-        this.sense()?;
-        Ok(this)
+        run.sense()?;
+        Ok(Self::Messages(run, commands))
     }
 
     fn step(
@@ -132,43 +134,52 @@ impl Backend for WithProcesses {
         commands: &mut [Option<Twist2>],
         views: &mut Vec<RobotView>,
     ) -> Result<(), EnvironmentError> {
-        if self.is_direct {
-            let world = self.run.world();
-            view_robots(world, views);
-            let view = View {
-                time_s: time_s(world),
-                dt: shared.dt.as_secs_f64(),
-                me: 0,
-                robots: views,
-                beliefs: &[],
-                exits: &shared.exits,
-                scan: None,
-            };
-            return Ok(self.run.drive(&view, commands)?);
-        }
+        let (run, current) = match self {
+            Self::Messages(run, current) => (run, current),
+            Self::Direct(run) => {
+                let world = run.world();
+                view_robots(world, views);
+                let view = View {
+                    time_s: time_s(world),
+                    dt: shared.dt.as_secs_f64(),
+                    me: 0,
+                    robots: views,
+                    beliefs: &[],
+                    exits: &shared.exits,
+                    scan: None,
+                };
+                return Ok(run.step(&view, commands, shared.dt)?);
+            }
+        };
         for &robot in &shared.agents.robots {
             let command = commands.get(robot).copied().flatten();
             if let (Some(facts), Some(command)) = (shared.facts.get(robot), command) {
-                self.commands.set(&facts.name, command);
+                current.set(&facts.name, command);
             }
         }
-        Ok(self.run.act()?)
+        Ok(run.act()?)
     }
 
     fn sense(&mut self) -> Result<(), EnvironmentError> {
-        if !self.is_direct {
-            self.run.sense()?;
+        if let Self::Messages(run, _) = self {
+            run.sense()?;
         }
         Ok(())
     }
 
     fn world(&self) -> &World {
-        self.run.world()
+        match self {
+            Self::Direct(run) => run.world(),
+            Self::Messages(run, _) => run.world(),
+        }
     }
 
     fn beliefs(&self, beliefs: &mut Vec<BeliefView<'static>>) {
         beliefs.clear();
-        beliefs.extend(self.run.beliefs().iter().map(|belief| {
+        let Self::Messages(run, _) = self else {
+            return;
+        };
+        beliefs.extend(run.beliefs().iter().map(|belief| {
             let h = &belief.header;
             BeliefView {
                 robot: h.robot as usize,

@@ -122,12 +122,12 @@ impl SharedData {
         } else {
             RemainingPath::of_agents(&agents.robots, &facts, exits.len())?
         };
-        let planner_map =
-            if options.observation.path || !evaders.is_empty() || !ways_left.is_empty() {
-                Some(planner_map(world.map(), blur_sigma)?)
-            } else {
-                None
-            };
+        let has_ways = layouts.iter().any(|layout| layout.ways().is_some());
+        let planner_map = if has_ways || !evaders.is_empty() || !ways_left.is_empty() {
+            Some(planner_map(world.map(), blur_sigma)?)
+        } else {
+            None
+        };
         let are_alone = agents.are_alone(template.scenario()) && !beliefs;
         Ok(Self {
             are_alone,

@@ -97,7 +97,10 @@ fn episodes_with_other_processes_are_ordinary_runs() {
 #[test]
 fn ways_are_those_of_a_planner_also_when_an_obstacle_appears() {
     let template = template("chase_popup", &["events.0.time_s=1.0"]);
-    let mut learner = Learner::new(template.clone(), options(&["evader"], "state+path"));
+    let mut learner = Learner::new(
+        template.clone(),
+        options(&["evader"], "state+path+potential"),
+    );
     learner.reset(Some(1));
     assert_is_an_ordinary_run(&mut learner, &template, 40);
 }
@@ -108,7 +111,7 @@ fn field_evaders_are_those_of_a_planner() {
     for action in [ActionKind::Tune, ActionKind::Residual] {
         let options = Options {
             action,
-            ..options(&["evader"], "state+path")
+            ..options(&["evader"], "state+path+potential")
         };
         let mut learner = Learner::new(template.clone(), options);
         learner.reset(Some(1));

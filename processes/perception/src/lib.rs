@@ -2,4 +2,5 @@
 //!
 //! The computation is in the `tracking` crate; this crate connects it to its topics.
 
+mod direct;
 pub mod process;

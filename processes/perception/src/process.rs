@@ -13,14 +13,16 @@ use robot::team::Role;
 use runtime::declaration::{Declaration, Input, Output, When};
 use runtime::grids::{blurred_map, map_grids};
 use runtime::inputs::{MapInput, StateInput, reply_stamp};
-use runtime::kind::ViewSpec;
+use runtime::kind::{DirectProcess, ViewSpec};
 use runtime::maps::Maps;
 use runtime::{Clock, Process, ProcessConfig, ProcessError, ProcessKind};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
+use crate::direct::{DirectPerception, update};
 use tracking::params::PerceptionParams;
 use tracking::particle_filter::MotionLimits;
-use tracking::tracker::{Perception, TargetSetup, TargetTruth, Track};
+use tracking::space::Space;
+use tracking::tracker::{Perception, TargetSetup, Track};
 
 /// Perception of some robots: their common view, and their beliefs about opponents.
 pub struct PerceptionProcess {
@@ -167,31 +169,17 @@ impl Process for PerceptionProcess {
             .map_or(1, |last| newest.saturating_sub(last).max(1));
         self.last_tick = Some(newest);
         let dt = self.config.run.tick_period() * ticks as f64;
-        let active = |&&robot: &&usize| self.state.robots[robot].status == 0;
-        let pose = |&robot: &usize| {
-            let r = &self.state.robots[robot];
-            Pose2::new(r.x, r.y, r.theta)
+        let pose = |robot: usize| {
+            let r = self.state.robots.get(robot).filter(|r| r.status == 0);
+            r.map(|r| Pose2::new(r.x, r.y, r.theta))
         };
-        let observers: Vec<Pose2> = self.observers.iter().filter(active).map(pose).collect();
-        let truths: Vec<TargetTruth> = self
-            .targets
-            .iter()
-            .filter(active)
-            .map(|robot| TargetTruth {
-                robot: *robot,
-                pose: pose(robot),
-            })
-            .collect();
         // The best view is named by its place among the active observers.
-        let viewpoints: Vec<u32> = self
+        let active = self
             .observers
             .iter()
-            .filter(active)
-            .map(|&robot| robot as u32)
-            .collect();
-        let tracks = perception
-            .update(&observers, &truths, dt)
-            .map_err(|e| ProcessError::Algorithm(e.to_string()))?;
+            .filter(|&&robot| pose(robot).is_some());
+        let viewpoints: Vec<u32> = active.map(|&robot| robot as u32).collect();
+        let tracks = update(perception, &self.observers, &self.targets, pose, dt)?;
         let stamp = reply_stamp(&self.state.header, self.state.received_ns);
         let mut active_tracks = tracks.iter().filter(|track| track.is_active());
         let count = active_tracks.clone().count();
@@ -220,6 +208,20 @@ impl Process for PerceptionProcess {
         Ok(())
     }
 
+    fn is_direct(&self) -> bool {
+        true
+    }
+
+    fn into_direct(self: Box<Self>) -> Option<Box<dyn DirectProcess>> {
+        Some(Box::new(DirectPerception {
+            perception: self.perception?,
+            dt: self.config.run.tick_period(),
+            observers: self.observers,
+            targets: self.targets,
+            particles: Vec::new(),
+        }))
+    }
+
     fn rejected(&self) -> u64 {
         self.state.rejected + self.map.rejected
     }
@@ -227,10 +229,24 @@ impl Process for PerceptionProcess {
 
 impl PerceptionProcess {
     fn take_map(&mut self) -> Result<(), ProcessError> {
-        let grids = map_grids(&self.map.header, self.map.cells());
-        let map = blurred_map(grids.blurred, grids.occupied)?;
+        let make = || {
+            let grids = map_grids(&self.map.header, self.map.cells());
+            let map = blurred_map(grids.blurred, grids.occupied)?;
+            Ok::<_, ProcessError>(Arc::new(Space::new(&map)))
+        };
+        // Processes of one thread build it once.
+        let space = match self.map.derived::<OnceLock<Arc<Space>>>() {
+            None => make()?,
+            Some(shared) => match shared.get() {
+                Some(known) => Arc::clone(known),
+                None => {
+                    let made = make()?;
+                    Arc::clone(shared.get_or_init(|| made))
+                }
+            },
+        };
         if let Some(perception) = &mut self.perception {
-            perception.set_map(&map);
+            perception.set_map(space);
             return Ok(());
         }
         let setups = self
@@ -255,7 +271,7 @@ impl PerceptionProcess {
                 }
             })
             .collect();
-        let perception = Perception::new(&self.params, &map, setups)
+        let perception = Perception::new(&self.params, space, setups)
             .map_err(|e| ProcessError::Algorithm(e.to_string()))?;
         self.perception = Some(perception);
         Ok(())

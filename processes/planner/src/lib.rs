@@ -9,6 +9,7 @@
 //! - [`TopicProcess`]: the process of a program that reads and writes topics by their names, a [`TopicProgram`];
 //! - [`planner_map`], [`robot_views`], [`teams`], [`limits`]: conversions of messages to inputs of algorithms.
 
+mod direct;
 mod error;
 mod main_function;
 mod maps;

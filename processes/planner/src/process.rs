@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use geometry::map::MapSpec;
-use geometry::pose::{Pose2, Twist2};
+use geometry::pose::Pose2;
 use geometry::region::Region;
 use ipc_types::bus::{Bus, Publisher, PublisherOptions};
 use ipc_types::stamp::Stamp;
@@ -23,16 +23,12 @@ use runtime::inputs::{
 use runtime::kind::{DirectProcess, Process, ProcessKind, Remark, Task, TaskFault, TaskSketch};
 use runtime::maps::Maps;
 
+use crate::direct::{DirectPlanners, PlannerSlot};
 use crate::error::PlannerError;
 use crate::maps::planner_map;
 use crate::outputs::{MAX_PLAN_POINTS, Outputs, PlannedPoint};
 use crate::planner::{Planner, planner_seed};
 use crate::views::{robot_views, teams};
-
-struct PlannerSlot<P> {
-    robot: u32,
-    planner: P,
-}
 
 /// Runs one planner per robot of the process.
 pub struct PlannerProcess<P: Planner> {
@@ -46,7 +42,7 @@ pub struct PlannerProcess<P: Planner> {
     trees: Option<Publisher<Tree>>,
     waypoints: Option<Publisher<Waypoints>>,
     events: Option<Publisher<RobotEvents>>,
-    /// `true` if its planners need no messages.
+    /// `true` if its planners need no messages but state, map and beliefs.
     is_direct: bool,
     config: ProcessConfig,
     map: Option<Arc<PlannerMap>>,
@@ -107,7 +103,8 @@ impl<P: Planner> ProcessKind for PlannerProcess<P> {
             most(Flow::for_topic::<RobotEvents>()),
         );
         let mut inputs = declaration.inputs.iter();
-        let is_direct = inputs.all(|input| input.flow == Input::SHAPES.flow);
+        let is_direct =
+            inputs.all(|input| [Input::SHAPES.flow, Input::BELIEFS.flow].contains(&input.flow));
         let robots = config.run.robots.len();
         let mut driven = config
             .own_robots()
@@ -300,8 +297,17 @@ impl<P: Planner> Process for PlannerProcess<P> {
         Ok(())
     }
 
-    fn direct(&mut self) -> Option<&mut dyn DirectProcess> {
-        if self.is_direct { Some(self) } else { None }
+    fn is_direct(&self) -> bool {
+        self.is_direct
+    }
+
+    fn into_direct(self: Box<Self>) -> Option<Box<dyn DirectProcess>> {
+        Some(Box::new(DirectPlanners {
+            map: self.map.filter(|_| self.is_direct)?,
+            dt: self.config.step_period(),
+            reads_beliefs: self.beliefs.is_some(),
+            driven: self.driven,
+        }))
     }
 
     fn rejected(&self) -> u64 {
@@ -310,35 +316,6 @@ impl<P: Planner> Process for PlannerProcess<P> {
             + self.shapes.as_ref().map_or(0, |s| s.rejected)
             + self.beliefs.as_ref().map_or(0, |b| b.rejected)
             + self.scans.as_ref().map_or(0, |s| s.rejected)
-    }
-}
-
-impl<P: Planner> DirectProcess for PlannerProcess<P> {
-    fn steer(
-        &mut self,
-        view: &View<'_>,
-        commands: &mut [Option<Twist2>],
-    ) -> Result<(), ProcessError> {
-        let Some(map) = &self.map else {
-            return Err(no_map());
-        };
-        for driven in &mut self.driven {
-            let me = driven.robot as usize;
-            let view = View {
-                dt: self.config.step_period(),
-                me,
-                exits: &self.exits,
-                ..*view
-            };
-            let steering = driven.planner.steer(map, &view);
-            if let Some(error) = driven.planner.failure() {
-                return Err(error);
-            }
-            if let Some(command) = commands.get_mut(me) {
-                *command = Some(steering.command);
-            }
-        }
-        Ok(())
     }
 }
 

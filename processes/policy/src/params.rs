@@ -13,7 +13,8 @@ parameters::table! {
         /// ONNX file of the policy: its path, relative to the scenario's folder. A log has the contents of the file instead,
         /// as a `data:` URL, so that it can be executed again without the file.
         pub model: String,
-        /// Contents of the observation: `state`, `scan`, `belief`, `path`, or several of them as in `state+path`.
+        /// Contents of the observation: `state`, `scan`, `belief`, `path`, `potential`, or several of them as in
+        /// `state+path`.
         pub observation: String = "state".to_owned(),
         /// Meaning of the network's output: `twist` (forward speed and turning rate) or, for evaders, `tune` (parameters of an
         /// `evader_potential` that steers in every tick) or `residual` (what is added to its action).
@@ -39,7 +40,8 @@ impl PolicyParams {
     pub fn parts(&self) -> Result<Parts, ParamsError> {
         let parts = self.observation.parse();
         parts.map_err(|_| {
-            let expected = "state, scan, belief, path, or several of them as in state+path";
+            let expected =
+                "state, scan, belief, path, potential, or several of them as in state+path";
             ParamsError::new("observation", &format!("{:?}", self.observation), expected)
         })
     }

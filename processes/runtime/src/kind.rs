@@ -10,7 +10,7 @@ use geometry::shape::Shape;
 use geometry::visibility::polygon::SightLimits;
 use ipc_types::bus::Bus;
 use ipc_types::topics::{Scan, WorldShapes};
-use planner_view::view::View;
+use planner_view::view::{BeliefView, View};
 use robot::spec::RobotSpec;
 use serde::{Deserialize, Serialize};
 
@@ -47,8 +47,13 @@ pub trait Process {
     /// Ends the process.
     fn step(&mut self, tick: u64) -> Result<(), ProcessError>;
 
-    /// Returns the process as one that steps without messages, if it reads only state and map.
-    fn direct(&mut self) -> Option<&mut dyn DirectProcess> {
+    /// Returns `true` if it needs no messages but state, map and beliefs, so that [`Self::into_direct`] can take its place.
+    fn is_direct(&self) -> bool {
+        false
+    }
+
+    /// Returns the prepared process without its ports, as one that steps without messages; `None` if it cannot.
+    fn into_direct(self: Box<Self>) -> Option<Box<dyn DirectProcess>> {
         None
     }
 
@@ -69,6 +74,11 @@ pub trait DirectProcess {
         view: &View<'_>,
         commands: &mut [Option<Twist2>],
     ) -> Result<(), ProcessError>;
+
+    /// Adds its newest beliefs, by robot: those of this tick after [`Self::steer`].
+    fn beliefs<'a>(&'a self, beliefs: &mut Vec<BeliefView<'a>>) {
+        let _ = beliefs;
+    }
 }
 
 /// Kind of process: its name, its parameters, its inputs and outputs, and its constructor.

@@ -441,10 +441,9 @@ impl Simulator {
         Ok(())
     }
 
-    /// Steps the world to the next tick with commands by robot, without messages.
-    pub fn drive(&mut self, commands: &[Option<Twist2>]) {
-        self.world.step(commands, self.tick_period);
-        self.tick += 1;
+    /// Returns the world without its topics.
+    pub fn into_world(self) -> World {
+        self.world
     }
 
     /// Steps the world to the next tick with the commands in force: those at most `max_age` ticks

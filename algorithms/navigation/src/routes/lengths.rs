@@ -35,6 +35,26 @@ pub struct LengthsFrom {
     lengths: Arc<[u16]>,
 }
 
+/// End of routes, of the same map as their begin.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RouteEnd {
+    node: usize,
+    /// Length (m) from the node to the end.
+    beyond: f64,
+}
+
+impl LengthsFrom {
+    /// Returns the length of the way to an end (m), to the accuracy of the grid; infinite if there is none.
+    pub fn to(&self, end: Option<RouteEnd>) -> f64 {
+        let end = end.filter(|_| self.root.is_some());
+        let length = end.and_then(|end| Some((*self.lengths.get(end.node)?, end.beyond)));
+        match length {
+            Some((length, beyond)) if length != UNREACHED => f64::from(length) / 100.0 + beyond,
+            _ => f64::INFINITY,
+        }
+    }
+}
+
 impl Lengths {
     /// Returns the lengths of a map for a robot of this radius (m).
     pub fn of_map(map: &PlannerMap, radius: f64) -> Arc<Self> {
@@ -63,16 +83,11 @@ impl Lengths {
         root.is_some()
     }
 
-    /// Returns the length of the way to a point (m), to the accuracy of the grid; infinite if there is none.
-    pub fn to(&self, from: &LengthsFrom, at: Point2<f64>) -> f64 {
-        let node = self.grid.node_at(at).filter(|_| from.root.is_some());
-        let length = node.and_then(|node| from.lengths.get(node));
-        match (length, node.and_then(|node| self.grid.point(node))) {
-            (Some(&length), Some(point)) if length != UNREACHED => {
-                f64::from(length) / 100.0 + (at - point).norm()
-            }
-            _ => f64::INFINITY,
-        }
+    /// Returns a point (m) as the end of routes; `None` as [`Self::start`] returns `false`.
+    pub fn end(&self, at: Point2<f64>) -> Option<RouteEnd> {
+        let node = self.grid.node_at(at)?;
+        let beyond = (at - self.grid.point(node)?).norm();
+        Some(RouteEnd { node, beyond })
     }
 
     /// Returns the lengths of the routes from a node (cm).

@@ -12,7 +12,7 @@ mod route_finder;
 mod route_tree;
 mod route_trees;
 
-pub use lengths::{Lengths, LengthsFrom};
+pub use lengths::{Lengths, LengthsFrom, RouteEnd};
 pub use nav_grid::{Edge, MARGIN, NavGrid};
 pub use route_finder::{ExitRoute, RouteFinder};
 pub use route_tree::{RouteLeg, RouteTree, Routes, Threat};

@@ -34,18 +34,18 @@ fn kept_lengths_are_those_of_routes() {
     let lengths = Lengths::of_map(&map, RADIUS);
     let mut from = LengthsFrom::default();
     let (far, near) = (Point2::new(-4.5, 7.5), Point2::new(7.5, 0.3));
-    assert_eq!(lengths.to(&from, EXIT), f64::INFINITY);
+    assert_eq!(from.to(lengths.end(EXIT)), f64::INFINITY);
     for start in [far, near, far] {
         assert!(lengths.start(start, &mut from));
         for to in [far, near, EXIT] {
             let routes = finder.lengths(&map, 0, start, [to]).unwrap();
             let expected = routes.distance_to(to).unwrap();
             // They are kept in whole centimetres.
-            assert!((lengths.to(&from, to) - expected).abs() < 0.0051);
+            assert!((from.to(lengths.end(to)) - expected).abs() < 0.0051);
         }
     }
     assert!(!lengths.start(Point2::new(f64::NAN, 0.0), &mut from));
-    assert_eq!(lengths.to(&from, EXIT), f64::INFINITY);
+    assert_eq!(from.to(lengths.end(EXIT)), f64::INFINITY);
 }
 
 #[test]

@@ -45,7 +45,6 @@ pub struct Assigner {
     places: Vec<(usize, Option<Point2<f64>>)>,
     /// Participants in the last assignment, and its period.
     solved_for: Option<(Vec<usize>, Vec<usize>, i64)>,
-    cuts: CutSearch,
 }
 
 impl Assigner {
@@ -56,7 +55,6 @@ impl Assigner {
             targets: Vec::new(),
             places: Vec::new(),
             solved_for: None,
-            cuts: CutSearch::default(),
         }
     }
 
@@ -122,21 +120,26 @@ impl Assigner {
         view: &View<'_>,
     ) -> Option<usize> {
         let knowledge = self.params.knowledge;
-        let pursuers: Vec<&RobotView> = view.teammates(Role::Pursuer).take(MAX_MATCHED).collect();
-        let known: Vec<&RobotView> = view
-            .opponents(Role::Evader)
-            .filter(|evader| is_known(view, evader.index, knowledge))
-            .take(MAX_MATCHED)
-            .collect();
+        let pursuers = || view.teammates(Role::Pursuer).take(MAX_MATCHED);
+        let known = || {
+            view.opponents(Role::Evader)
+                .filter(|evader| is_known(view, evader.index, knowledge))
+                .take(MAX_MATCHED)
+        };
+        let index = |robot: &RobotView| robot.index;
         let period = (view.time_s / self.params.period_s).floor() as i64;
-        let teams = (
-            pursuers.iter().map(|robot| robot.index).collect::<Vec<_>>(),
-            known.iter().map(|robot| robot.index).collect::<Vec<_>>(),
-            period,
-        );
-        if self.solved_for.as_ref() != Some(&teams) {
-            let evaders: Vec<(&RobotView, Point2<f64>)> = known
-                .into_iter()
+        let is_solved = self.solved_for.as_ref().is_some_and(|(own, other, at)| {
+            *at == period
+                && pursuers().map(index).eq(own.iter().copied())
+                && known().map(index).eq(other.iter().copied())
+        });
+        if !is_solved {
+            let teams: (Vec<usize>, Vec<usize>) = (
+                pursuers().map(index).collect(),
+                known().map(index).collect(),
+            );
+            let pursuers: Vec<&RobotView> = pursuers().collect();
+            let evaders: Vec<(&RobotView, Point2<f64>)> = known()
                 .filter_map(|evader| {
                     let pose = estimate(view, evader.index, knowledge)?;
                     Some((evader, pose.position()))
@@ -147,7 +150,7 @@ impl Assigner {
                 .into_iter()
                 .map(|(row, column)| (teams.0[row], teams.1[column]))
                 .collect();
-            self.solved_for = Some(teams);
+            self.solved_for = Some((teams.0, teams.1, period));
             self.cut_off(map, finder, view, (pursuers.as_slice(), evaders.as_slice()));
         }
         self.kept(view.me)
@@ -187,9 +190,9 @@ impl Assigner {
             v_max: evader.v_max,
         };
         let exits = view.usable_exits();
-        let places = self
-            .cuts
-            .places(map, finder, exits, &evader, &blockers, radius);
+        // Its memory is as large as the map, and used once per period.
+        let mut search = CutSearch::default();
+        let places = search.places(map, finder, exits, &evader, &blockers, radius);
         self.places = who.into_iter().zip(places).collect();
     }
 

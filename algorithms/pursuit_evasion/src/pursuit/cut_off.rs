@@ -77,10 +77,11 @@ type Places = Vec<Option<Point2<f64>>>;
 /// Allotments of the planners that share a map, the newest first: all pursuers of a target have the same.
 type Known = Mutex<VecDeque<(Siege, Places)>>;
 
-/// Finds cuts; its memory is reused.
+/// Finds a cut.
 #[derive(Debug, Clone, Default)]
 pub struct CutSearch {
-    blocked: Vec<bool>,
+    /// Per node, the length of its shortest path to an exit (mm) without blocked nodes; [`NONE`] if it is blocked itself.
+    ahead: Vec<u32>,
     length: Vec<u32>,
     parent: Vec<u32>,
     /// Nodes on the frontier, with the minimum length of a path through them (mm).
@@ -141,17 +142,16 @@ impl CutSearch {
             let mut tree = RouteTree::default();
             tree.plant_without_gates(grid, &exits, &[]);
             tree.settle(grid, u32::MAX);
-            tree
+            let ahead = |node| tree.length_mm(node).unwrap_or(NONE);
+            (0..grid.len()).map(ahead).collect::<Vec<u32>>()
         });
-        let nodes = grid.len();
         let Some(start) = grid.node_at(evader.at) else {
             return Cut::default();
         };
-        self.blocked.clear();
-        self.blocked.resize(nodes, false);
+        self.ahead.clone_from(to_exit);
         let is_open = finder
             .grid()
-            .is_some_and(|grid| self.way_out(grid, &exits, to_exit, start));
+            .is_some_and(|grid| self.way_out(grid, &exits, start));
         if !is_open {
             return Cut {
                 complete: true,
@@ -161,15 +161,20 @@ impl CutSearch {
         let shortest = self.way.clone();
         let mut tight = None;
         for share in SHARES {
-            self.blocked.fill(false);
+            self.ahead.clone_from(to_exit);
             self.way.clone_from(&shortest);
             let mut cut = Cut::default();
             while !cut.complete && cut.places.len() < most {
                 let place = self.place(map, finder, evader.v_max, blockers, share);
                 cut.places.push(place);
+                let is_last = cut.places.len() == most;
                 cut.complete = !finder.grid().is_some_and(|grid| {
                     self.block(grid, start, place, block_radius);
-                    self.way_out(grid, &exits, to_exit, start)
+                    if is_last {
+                        self.is_open(grid, &exits, start)
+                    } else {
+                        self.way_out(grid, &exits, start)
+                    }
                 });
             }
             if cut.complete {
@@ -185,48 +190,61 @@ impl CutSearch {
     ///
     /// A\* with the unblocked lengths as heuristic. They are consistent: blocking only makes paths
     /// longer.
-    fn way_out(
-        &mut self,
-        grid: &NavGrid,
-        exits: &[usize],
-        to_exit: &RouteTree,
-        start: usize,
-    ) -> bool {
+    fn way_out(&mut self, grid: &NavGrid, exits: &[usize], start: usize) -> bool {
         self.way.clear();
         self.length.clear();
         self.length.resize(grid.len(), NONE);
         self.parent.clear();
         self.parent.resize(grid.len(), NONE);
         self.queue.clear();
-        let Some(ahead) = to_exit.length_mm(start) else {
+        let ahead = self.ahead[start];
+        if ahead == NONE {
             return false;
-        };
+        }
         self.queue.push(Reverse((ahead, start as u32)));
         self.length[start] = 0;
         while let Some(Reverse((estimate, node))) = self.queue.pop() {
             let node = node as usize;
             let length = self.length[node];
-            let ahead = to_exit.length_mm(node).unwrap_or(NONE);
-            if estimate > length.saturating_add(ahead) {
+            if estimate > length.saturating_add(self.ahead[node]) {
                 continue;
             }
-            if exits.contains(&node) && !self.blocked[node] {
+            if exits.contains(&node) {
                 self.retrace(grid, node);
                 return true;
             }
             for edge in grid.edges(node) {
                 let to = edge.to as usize;
                 let reached = length.saturating_add(edge.length);
-                if !self.blocked[to]
-                    && reached < self.length[to]
-                    && let Some(ahead) = to_exit.length_mm(to)
-                {
+                let ahead = self.ahead[to];
+                if ahead != NONE && reached < self.length[to] {
                     self.length[to] = reached;
                     self.parent[to] = node as u32;
                     let estimate = reached.saturating_add(ahead);
                     self.queue.push(Reverse((estimate, edge.to)));
                 }
             }
+        }
+        false
+    }
+
+    /// Returns `true` if [`Self::way_out`] would find a path; blocks the nodes that it visits.
+    fn is_open(&mut self, grid: &NavGrid, exits: &[usize], start: usize) -> bool {
+        let mut frontier = vec![start as u32];
+        while let Some(node) = frontier.pop() {
+            let node = node as usize;
+            // Each node is visited once.
+            if core::mem::replace(&mut self.ahead[node], NONE) == NONE {
+                continue;
+            }
+            if exits.contains(&node) {
+                return true;
+            }
+            let next = grid.edges(node).iter().map(|edge| edge.to);
+            let next = next.filter(|&to| self.ahead[to as usize] != NONE);
+            // The next one is the nearest to an exit.
+            let nearest = next.clone().min_by_key(|&to| self.ahead[to as usize]);
+            frontier.extend(next.chain(nearest));
         }
         false
     }
@@ -278,16 +296,17 @@ impl CutSearch {
 
     /// Removes the nodes around a place from the graph, but never the target's node.
     fn block(&mut self, grid: &NavGrid, start: usize, place: Point2<f64>, radius: f64) {
-        for (node, (point, blocked)) in grid.points().iter().zip(&mut self.blocked).enumerate() {
-            if node != start && (point - place).norm() <= radius {
-                *blocked = true;
+        for (node, (point, ahead)) in grid.points().iter().zip(&mut self.ahead).enumerate() {
+            let offset = point - place;
+            if offset.x.abs() <= radius && offset.norm() <= radius && node != start {
+                *ahead = NONE;
             }
         }
         // Required if the radius is less than half a block of the graph.
         if let Some(node) = grid.node_at(place).filter(|&node| node != start)
-            && let Some(blocked) = self.blocked.get_mut(node)
+            && let Some(ahead) = self.ahead.get_mut(node)
         {
-            *blocked = true;
+            *ahead = NONE;
         }
     }
 }

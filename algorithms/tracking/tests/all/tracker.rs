@@ -1,5 +1,7 @@
 //! A team's perception over several opponents.
 
+use std::sync::Arc;
+
 use geometry::blur::BlurredMap;
 use geometry::grid::{Grid, GridFrame};
 use geometry::pose::Pose2;
@@ -8,6 +10,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use tracking::params::{HeadingModel, PerceptionParams};
 use tracking::particle_filter::MotionLimits;
+use tracking::space::Space;
 use tracking::tracker::{Perception, PerceptionError, TargetSetup, TargetTruth, Track};
 
 const LIMITS: MotionLimits = MotionLimits {
@@ -36,6 +39,10 @@ fn map() -> BlurredMap {
     BlurredMap::new(&free, 0.15).unwrap()
 }
 
+fn space(map: &BlurredMap) -> Arc<Space> {
+    Arc::new(Space::new(map))
+}
+
 fn setup(robot: usize, start: Option<Pose2>) -> TargetSetup {
     TargetSetup {
         robot,
@@ -61,7 +68,7 @@ fn police() -> [Pose2; 2] {
 fn run(params: &PerceptionParams, heading: f64, others: &[usize]) -> Perception {
     let mut targets = vec![setup(7, Some(Pose2::new(1.0, -2.0, 0.0)))];
     targets.extend(others.iter().map(|&robot| setup(robot, None)));
-    let mut perception = Perception::new(params, &map(), targets).unwrap();
+    let mut perception = Perception::new(params, space(&map()), targets).unwrap();
     for tick in 0..80 {
         let y = -2.0 + 0.02 * f64::from(tick);
         let mut truths = vec![TargetTruth {
@@ -199,7 +206,7 @@ fn a_changed_map_changes_what_is_seen() {
             free.cells[row * 160 + col] = false;
         }
     }
-    perception.set_map(&BlurredMap::new(&free, 0.15).unwrap());
+    perception.set_map(space(&BlurredMap::new(&free, 0.15).unwrap()));
     let tracks = perception.update(&police()[..1], &truth, DT).unwrap();
     assert!(!tracks[0].sighting().is_seen());
 }
@@ -208,7 +215,7 @@ fn a_changed_map_changes_what_is_seen() {
 fn bad_set_ups_and_updates_are_refused_by_name() {
     let mut params = PerceptionParams::default();
     params.filter.particles = 0;
-    let error = Perception::new(&params, &map(), Vec::new()).unwrap_err();
+    let error = Perception::new(&params, space(&map()), Vec::new()).unwrap_err();
     assert!(
         error.to_string().starts_with("`filter.particles` is 0"),
         "{error}"
@@ -216,14 +223,19 @@ fn bad_set_ups_and_updates_are_refused_by_name() {
 
     let mut bad = setup(4, None);
     bad.limits.v_max = f64::NAN;
-    let error = Perception::new(&PerceptionParams::default(), &map(), vec![bad]).unwrap_err();
+    let error =
+        Perception::new(&PerceptionParams::default(), space(&map()), vec![bad]).unwrap_err();
     assert_eq!(
         error.to_string(),
         "opponent 4: v_max = NaN: expected a finite number ≥ 0"
     );
 
-    let mut perception =
-        Perception::new(&PerceptionParams::default(), &map(), vec![setup(4, None)]).unwrap();
+    let mut perception = Perception::new(
+        &PerceptionParams::default(),
+        space(&map()),
+        vec![setup(4, None)],
+    )
+    .unwrap();
     for dt in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         let error = perception.update(&[], &[], dt).unwrap_err();
         assert!(matches!(error, PerceptionError::TimeStep { .. }));
@@ -253,7 +265,8 @@ fn bad_set_ups_and_updates_are_refused_by_name() {
 #[test]
 fn an_intruder_whose_start_is_unknown_is_believed_out_of_view_and_found() {
     let targets = vec![setup(4, None)];
-    let mut perception = Perception::new(&PerceptionParams::default(), &map(), targets).unwrap();
+    let mut perception =
+        Perception::new(&PerceptionParams::default(), space(&map()), targets).unwrap();
     let truth = TargetTruth {
         robot: 4,
         pose: Pose2::new(-3.0, -2.0, 0.0),

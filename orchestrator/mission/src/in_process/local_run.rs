@@ -3,9 +3,7 @@
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 
-use geometry::pose::Twist2;
 use ipc_types::bus::Bus;
-use planner_view::view::View;
 use runtime::maps::Maps;
 use scenario::kind::ConfiguredKind;
 use sim_backend::world::World;
@@ -14,7 +12,8 @@ use simulator::process::Simulator;
 use super::super::error::{InProcessError, MissionError};
 use super::super::plan::Plan;
 use super::branches::{Branch, PreparedBranch, prepared};
-use super::processes::{LocalProcesses, failed};
+use super::direct::DirectRun;
+use super::processes::{LocalProcess, LocalProcesses, failed};
 use super::tracks::Track;
 
 /// The simulator and the other processes.
@@ -148,27 +147,23 @@ impl LocalRun {
         self.simulator.world()
     }
 
-    /// Returns `true` if [`Self::drive`] can take the place of the other steps.
-    pub(super) fn is_direct(&mut self) -> bool {
-        let mut early = self.followers.early();
-        early.all(|follower| follower.process.direct().is_some())
-    }
-
-    /// Does a tick without messages, with the commands of the processes with their own kind.
-    pub(super) fn drive(
-        &mut self,
-        view: &View<'_>,
-        commands: &mut [Option<Twist2>],
-    ) -> Result<(), InProcessError> {
-        let tick = self.tick();
-        for follower in self.followers.early() {
-            if let Some(direct) = follower.process.direct() {
-                let steered = direct.steer(view, commands);
-                steered.map_err(|source| failed(&follower.name, Some(tick), source))?;
-            }
+    /// Returns world and processes without messages, if the processes before the first one with its own kind need none;
+    /// those after it are left out.
+    pub(super) fn into_direct(self) -> Result<DirectRun, Box<Self>> {
+        if !self
+            .followers
+            .early()
+            .all(|follower| follower.process.is_direct())
+        {
+            return Err(Box::new(self));
         }
-        self.simulator.drive(commands);
-        Ok(())
+        let followers = self.followers.into_early();
+        let direct =
+            |follower: LocalProcess| Some((follower.name, follower.process.into_direct()?));
+        Ok(DirectRun {
+            world: self.simulator.into_world(),
+            processes: followers.filter_map(direct).collect(),
+        })
     }
 
     /// Steps the world to the next tick.

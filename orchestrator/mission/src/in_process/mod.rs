@@ -9,6 +9,7 @@
 //! thread.
 
 mod branches;
+mod direct;
 mod libraries;
 mod local_run;
 pub mod placement;
@@ -17,6 +18,7 @@ mod stepped;
 mod tracks;
 
 pub use branches::{Branch, GivenCommand};
+pub use direct::DirectRun;
 pub use processes::LocalProcesses;
 pub use stepped::SteppedRun;
 pub use tracks::Track;

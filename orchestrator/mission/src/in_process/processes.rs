@@ -81,8 +81,13 @@ impl LocalProcesses {
     }
 
     /// Returns the processes that come before the first one with its own kind.
-    pub(super) fn early(&mut self) -> impl Iterator<Item = &mut LocalProcess> {
-        self.processes.iter_mut().take(self.early)
+    pub(super) fn early(&self) -> impl Iterator<Item = &LocalProcess> {
+        self.processes.iter().take(self.early)
+    }
+
+    /// Returns the same processes alone.
+    pub(super) fn into_early(self) -> impl Iterator<Item = LocalProcess> {
+        self.processes.into_iter().take(self.early)
     }
 
     /// Steps the processes that come before the first one with its own kind.

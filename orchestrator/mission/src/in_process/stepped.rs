@@ -3,10 +3,8 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use geometry::pose::Twist2;
 use ipc_types::bus::{Bus, Publisher, PublisherOptions};
 use ipc_types::topics::{Belief, ObstacleEvents};
-use planner_view::view::View;
 use runtime::inputs::{BeliefInput, Latest};
 use scenario::ResolvedScenario;
 use scenario::kind::ConfiguredKind;
@@ -16,6 +14,7 @@ use sim_backend::world::World;
 use super::super::error::{InProcessError, MissionError};
 use super::super::plan::Plan;
 use super::Cache;
+use super::direct::DirectRun;
 use super::local_run::LocalRun;
 
 /// A run in one thread, tick by tick. Its history is that of [`run`](super::run) with the same scenario and kinds.
@@ -89,23 +88,18 @@ impl SteppedRun {
         Ok(())
     }
 
-    /// Returns `true` if all other processes step without messages, so that [`Self::drive`] can take the place of
-    /// [`Self::sense`] and [`Self::act`]. Links and events of the scenario, and observed beliefs, are the caller's to exclude.
-    pub fn is_direct(&mut self) -> bool {
-        self.processes.is_direct()
-    }
-
-    /// Does a whole tick without messages. `commands` are those of the caller's robots, by robot; those of the others are
-    /// added.
+    /// Returns the same run without messages, if all processes but the caller's need none. Links and events of the scenario,
+    /// and observed beliefs, are the caller's to exclude.
     ///
     /// # Errors
-    /// [`MissionError`] names the process that fails.
-    pub fn drive(
-        &mut self,
-        view: &View<'_>,
-        commands: &mut [Option<Twist2>],
-    ) -> Result<(), MissionError> {
-        Ok(self.processes.drive(view, commands)?)
+    /// Itself, if a process needs messages.
+    pub fn into_direct(self) -> Result<DirectRun, Box<Self>> {
+        self.processes.into_direct().map_err(|processes| {
+            Box::new(Self {
+                processes: *processes,
+                ..self
+            })
+        })
     }
 
     /// Returns the world.
