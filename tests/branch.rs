@@ -1,6 +1,12 @@
 //! `protean branch` and `protean decided`: what precedes a branch is its parent's history, with processes or in one thread.
 
-use crate::support::Sandbox;
+use std::collections::BTreeMap;
+
+use rustix::process::Signal;
+use serde_json::Value as Json;
+
+use crate::support::sandbox::signal;
+use crate::support::{SOON, Sandbox, until};
 
 /// Scenarios of 6 s with beliefs, trees, requests to the optimiser, obstacles that appear, verdicts, laps and areas.
 const SCENARIOS: [&str; 8] = [
@@ -92,22 +98,116 @@ fn a_command_changes_the_history_from_its_moment_on_and_not_before() {
     }
 }
 
-#[test]
-fn outcomes_of_continuations_are_the_same_in_any_number_of_threads() {
-    let sandbox = Sandbox::new();
-    let run = "run chase_exact --in-process --quiet --out a.mcap --set rules.time_limit=6";
+/// Records a whole game; returns its end (s).
+fn record_game(sandbox: &Sandbox) -> f64 {
+    let run = "run chase_exact --in-process --quiet --out a.mcap";
     let run = sandbox.protean(run.split(' ')).run();
     assert_eq!(run.code, Some(0), "{run}");
-    let times = "branch a.mcap --at 4 --times 3 --json";
-    let report = sandbox.protean(times.split(' ')).run().json();
-    assert_eq!(report["robots"][4]["outcomes"][0]["count"], 3, "{report}");
+    let info = sandbox.protean("info a.mcap".split(' ')).json();
+    info["end_s"].as_f64().unwrap()
+}
+
+#[test]
+fn outcomes_of_copies_are_those_of_branches_from_the_start_for_any_number_of_jobs() {
+    let sandbox = Sandbox::new();
+    record_game(&sandbox);
     let decided = |jobs: &str| {
-        let words = "decided a.mcap --moments 2 --times 2 --share 0.5 --json --force --csv shares.csv --jobs";
-        let outcome = sandbox.protean(words.split(' ')).arg(jobs).run();
-        assert_eq!(outcome.code, Some(0), "{outcome}");
-        outcome.json()
+        let words = "decided a.mcap --moments 4 --times 2 --share 0.6 --force --csv shares.csv --svg curve.svg --jobs";
+        sandbox.protean(words.split(' ')).arg(jobs).json()
     };
-    let one = decided("1");
-    assert_eq!(one, decided("3"));
-    assert_eq!(one["decisions"][0]["outcome"], "timed_out", "{one}");
+    let report = decided("1");
+    assert_eq!(report, decided("3"));
+    let moments = report["moments"].as_array().unwrap();
+    assert!(moments.len() >= 4, "{report}");
+    for moment in moments {
+        let at_s = moment["time_s"].as_f64().unwrap();
+        let mut counts: BTreeMap<(String, String), u64> = BTreeMap::new();
+        for seed in 1..=moment["continuations"].as_u64().unwrap() {
+            // Each runs in its own process from the start.
+            let words = format!(
+                "branch a.mcap --at {at_s} --reseed all --seed {seed} --force --out b.mcap"
+            );
+            let branch = sandbox.protean(words.split(' ')).json();
+            for robot in branch["robots"].as_array().unwrap() {
+                let of = |key: &str| robot[key].as_str().unwrap().to_owned();
+                *counts.entry((of("name"), of("outcome"))).or_default() += 1;
+            }
+        }
+        let mut found = BTreeMap::new();
+        for robot in moment["robots"].as_array().unwrap() {
+            for share in robot["outcomes"].as_array().unwrap() {
+                let of = |value: &Json| value.as_str().unwrap().to_owned();
+                let key = (of(&robot["robot"]), of(&share["outcome"]));
+                found.insert(key, share["count"].as_u64().unwrap());
+            }
+        }
+        assert_eq!(found, counts, "{moment}");
+    }
+    for decision in report["decisions"].as_array().unwrap() {
+        let (at, between) = (&decision["time_s"], &decision["between_s"]);
+        let ends = between.as_array().map_or([0.0, 0.0], |ends| {
+            [0, 1].map(|end: usize| ends[end].as_f64().unwrap())
+        });
+        assert!(ends[1] - ends[0] <= 1.0 && ends[1] < at.as_f64().unwrap());
+    }
+    let curves = std::fs::read_to_string(sandbox.path().join("curve.svg")).unwrap();
+    let decisions = report["decisions"].as_array().unwrap().len();
+    assert_eq!(curves.matches("<polyline").count(), decisions);
+}
+
+#[test]
+fn continuations_near_the_end_have_the_recorded_outcomes_and_keep_their_logs() {
+    let sandbox = Sandbox::new();
+    let late = record_game(&sandbox) - 0.1;
+    let times = format!("branch a.mcap --at {late:.2} --times 3 --keep-logs kept");
+    let report = sandbox.protean(times.split(' ')).json();
+    for robot in report["robots"].as_array().unwrap() {
+        let outcome = &robot["outcomes"][0];
+        assert_eq!(outcome["count"], 3, "{report}");
+        assert_eq!(outcome["outcome"], robot["recorded"], "{report}");
+    }
+    let verified = sandbox.protean(["verify", "kept/2.mcap", "--quiet"]).run();
+    assert_eq!(verified.code, Some(0), "{verified}");
+}
+
+#[test]
+fn a_killed_copy_is_an_error_and_an_interruption_leaves_nothing() {
+    let sandbox = Sandbox::new();
+    record_game(&sandbox);
+    let decided = || {
+        let words = "decided a.mcap --moments 8 --times 2000 --jobs 2 --quiet";
+        sandbox.protean(words.split(' ')).start()
+    };
+    let children = |pid: u32| -> Vec<u32> {
+        let list = std::fs::read_to_string(format!("/proc/{pid}/task/{pid}/children"));
+        let list = list.unwrap_or_default();
+        list.split_whitespace()
+            .map(|pid| pid.parse().unwrap())
+            .collect()
+    };
+    // A continuation is a child of a walk, which is a child of the program.
+    let continuation = |pid: u32| {
+        let mut walks = children(pid).into_iter();
+        walks.find_map(|walk| children(walk).first().copied())
+    };
+    let running = decided();
+    let copy = until("a copy", SOON, || continuation(running.pid()));
+    signal(copy, Signal::KILL);
+    let words = ["the continuation from", "has no outcome: its process ended"];
+    running.finish().refused(1, &words);
+    sandbox.assert_empty();
+
+    let running = decided();
+    until("a copy", SOON, || continuation(running.pid()));
+    running.signal(Signal::INT);
+    running.finish().refused(3, &["interrupted"]);
+    sandbox.assert_empty();
+
+    let mut running = decided();
+    until("a copy", SOON, || continuation(running.pid()));
+    running.signal(Signal::KILL);
+    until("its end", SOON, || (!running.is_alive()).then_some(()));
+    until("the end of its copies", SOON, || {
+        sandbox.processes().is_empty().then_some(())
+    });
 }

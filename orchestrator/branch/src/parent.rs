@@ -2,12 +2,11 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use diff::{Comparison, diff_before};
 use log_tools::LogInfo;
 use mcap_log::{LogReadError, Origin, ReadProgress};
-use mission::in_process::{self, Cache, InProcessOptions};
+use mission::in_process::{self, InProcessOptions};
 use mission::{MissionError, MissionReport};
 use platform::presence;
 use recorder::RobotOutcome;
@@ -147,7 +146,7 @@ impl Parent {
         self.points.iter().cloned().chain([point]).collect()
     }
 
-    /// Runs the branch of a tick to its end.
+    /// Runs the branch of a tick to its end; it begins earlier at the first tick for which `begins` returns `true`.
     ///
     /// # Errors
     /// [`BranchError`]: the change is refused, or the run fails or is interrupted.
@@ -157,6 +156,7 @@ impl Parent {
         change: &Change,
         out: Option<&Path>,
         options: InProcessOptions,
+        begins: &mut dyn FnMut(u64) -> Result<bool, MissionError>,
     ) -> Result<MissionReport, BranchError> {
         let points = self.points(tick, change);
         let options = InProcessOptions {
@@ -168,7 +168,7 @@ impl Parent {
                 .map(|text| (Origin::BRANCHES, text)),
             ..options
         };
-        let report = in_process::run(&self.scenario, &options)?;
+        let report = in_process::run_until(&self.scenario, &options, begins)?;
         if report.interrupted {
             return Err(LogReadError::Interrupted.into());
         }
@@ -198,7 +198,7 @@ impl Parent {
             interrupted: Arc::clone(&watch.interrupted),
             ..InProcessOptions::default()
         };
-        let report = self.run(tick, change, Some(&out), options)?;
+        let report = self.run(tick, change, Some(&out), options, &mut |_| Ok(false))?;
         let tick_ns = (self.scenario.run.dt * 1e9).round() as u64;
         let comparison =
             diff_before(&self.log, &out, tick.saturating_mul(tick_ns), watch)?.comparison;
@@ -243,14 +243,5 @@ impl Parent {
             }
         }
         Ok(self.log.with_extension("branch.mcap"))
-    }
-}
-
-/// Returns the options of a run without a log that shares its maps with others.
-pub(crate) fn shared(cache: &Arc<Cache>, interrupted: &Arc<AtomicBool>) -> InProcessOptions {
-    InProcessOptions {
-        cache: Arc::clone(cache),
-        interrupted: Arc::clone(interrupted),
-        ..InProcessOptions::default()
     }
 }

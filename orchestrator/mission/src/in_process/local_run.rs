@@ -66,6 +66,14 @@ impl LocalRun {
         Ok(())
     }
 
+    /// Lets the last branch begin at the current tick.
+    pub(super) fn begin_last(&mut self) {
+        let tick = self.tick();
+        if let Some(last) = self.branches.back_mut() {
+            last.tick = tick;
+        }
+    }
+
     /// Begins the branches of the current tick.
     fn begin_branches(&mut self) -> Result<(), InProcessError> {
         let tick = self.tick();
