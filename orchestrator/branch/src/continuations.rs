@@ -18,6 +18,8 @@ pub struct OutcomeShare {
     pub outcome: String,
     /// Number of continuations with it.
     pub count: u64,
+    /// Number of the random streams of the first of them.
+    pub stream: u64,
     /// Share of the continuations.
     pub share: f64,
     /// Wilson's 95 % interval of its probability.
@@ -53,18 +55,21 @@ pub fn continuations(
     Ok(shares(parent, &all.outcomes(&tasks)?))
 }
 
-/// Returns the shares of the outcomes of every robot.
+/// Returns the shares of the outcomes of every robot in the continuations with random streams 1, 2, ….
 pub(crate) fn shares(parent: &Parent, outcomes: &[Vec<String>]) -> Vec<RobotShares> {
     let robots = parent.info.robots.iter().enumerate();
     let of_robot = |(index, robot): (usize, &recorder::RobotOutcome)| {
-        let mut counts: BTreeMap<&String, u64> = BTreeMap::new();
-        for outcome in outcomes.iter().filter_map(|robots| robots.get(index)) {
-            *counts.entry(outcome).or_default() += 1;
+        let mut counts: BTreeMap<&String, (u64, u64)> = BTreeMap::new();
+        let of_robot = outcomes.iter().map(|robots| robots.get(index));
+        for (outcome, stream) in of_robot.zip(1..) {
+            let Some(outcome) = outcome else { continue };
+            counts.entry(outcome).or_insert((0, stream)).0 += 1;
         }
         let all = outcomes.len() as u64;
-        let share = |(outcome, count): (&String, u64)| OutcomeShare {
+        let share = |(outcome, (count, stream)): (&String, (u64, u64))| OutcomeShare {
             outcome: outcome.clone(),
             count,
+            stream,
             share: count as f64 / all.max(1) as f64,
             interval: wilson(count, all),
         };
