@@ -1,13 +1,13 @@
 //! `protean branch` and `protean decided`: what precedes a branch is its parent's history, with processes or in one thread.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::time::{Duration, Instant};
 
 use rustix::process::Signal;
 use serde_json::Value as Json;
 
 use crate::support::sandbox::signal;
-use crate::support::{SOON, Sandbox, until};
+use crate::support::{SOON, Sandbox, until, wait_for_tick};
 
 /// Scenarios of 6 s with beliefs, trees, requests to the optimiser, obstacles that appear, verdicts, laps and areas.
 const SCENARIOS: [&str; 8] = [
@@ -130,6 +130,37 @@ fn a_command_changes_the_history_from_its_moment_on_and_not_before() {
             .run()
             .refused(2, &["expected"]);
     }
+}
+
+#[test]
+fn a_process_that_failed_fails_in_every_branch_at_its_tick() {
+    let sandbox = Sandbox::new();
+    let words = "run chase --quiet --out a.mcap --set run.dt=0.01 --set rules.time_limit=8 --set processes.evader_potential.on_failure=continue";
+    let running = sandbox.protean(words.split(' ')).start();
+    wait_for_tick(&sandbox.next_run(&BTreeSet::new()), 100);
+    signal(
+        sandbox.process("evader_potential_evader_1").pid,
+        Signal::KILL,
+    );
+    let run = running.finish();
+    assert_eq!(run.code, Some(3), "{run}");
+    let info = sandbox.protean("info a.mcap".split(' ')).json();
+    let branch = |change: &str| {
+        let words = format!("branch a.mcap --force --out b.mcap --json {change}");
+        let branch = sandbox.protean(words.split(' ')).run();
+        assert_eq!(branch.code, Some(0), "{words}: {branch}");
+        let verified = sandbox.protean("verify b.mcap --quiet".split(' ')).run();
+        assert_eq!(verified.code, Some(0), "{words}: {verified}");
+        branch.json()
+    };
+    for at_s in ["0.5", "7"] {
+        let nothing = branch(&format!("--at {at_s}"));
+        assert_eq!(nothing["branch_digest"], info["digest"], "{nothing}");
+    }
+    let other = branch("--at 7 --reseed all");
+    assert_ne!(other["branch_digest"], info["digest"], "{other}");
+    let times = "branch a.mcap --at 7 --times 2";
+    sandbox.protean(times.split(' ')).json();
 }
 
 /// Records a whole game; returns its end (s).

@@ -1,5 +1,6 @@
 //! The run of which branches are made.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -26,6 +27,7 @@ pub struct Parent {
     kinds: Vec<Kind>,
     pub(crate) scenario: ResolvedScenario,
     points: Vec<BranchPoint>,
+    failures: BTreeMap<String, u64>,
     pub(crate) info: LogInfo,
     /// Last tick of the log.
     pub(crate) last: u64,
@@ -76,6 +78,7 @@ impl Parent {
         let scenario = scenario_of(&origin, log, &[], so, kinds)?;
         refuse_external(log, &scenario, allow_external)?;
         let points = branch_points(&origin, log)?;
+        let failures = replay::failures(log, &points, watch)?;
         let info = LogInfo::read(log, watch)?;
         let last = (info.end_s / scenario.run.dt).round() as u64;
         Ok(Self {
@@ -83,6 +86,7 @@ impl Parent {
             kinds: kinds.to_vec(),
             scenario,
             points,
+            failures,
             info,
             last,
         })
@@ -120,6 +124,7 @@ impl Parent {
         let options = RerunOptions {
             in_process: true,
             allow_external: true,
+            failures: true,
         };
         // Without the events of the run, which it repeats.
         let mut quiet = ReadProgress::new(Arc::clone(&watch.interrupted), true);
@@ -142,6 +147,7 @@ impl Parent {
             tick,
             at_s: tick as f64 * self.scenario.run.dt,
             change: change.clone(),
+            failures: self.failures.clone(),
         };
         self.points.iter().cloned().chain([point]).collect()
     }
@@ -162,6 +168,7 @@ impl Parent {
         let options = InProcessOptions {
             out: out.map(Path::to_owned),
             libraries: true,
+            failures: self.failures.clone(),
             branches: branches(&points, &self.scenario, &self.kinds)?,
             source: serde_json::to_string(&points)
                 .ok()

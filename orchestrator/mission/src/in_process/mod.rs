@@ -70,6 +70,8 @@ pub struct InProcessOptions {
     pub programs: BTreeMap<String, ConfiguredKind>,
     /// `true` if the libraries that the scenario names may be loaded into this program.
     pub libraries: bool,
+    /// Processes that fail, by name, with the first tick without each; the run goes on.
+    pub failures: BTreeMap<String, u64>,
     /// Changes in the course of the run; their ticks ascend.
     pub branches: Vec<Branch>,
     /// Robots that follow a recording.
@@ -198,6 +200,9 @@ fn execute(
     processes.follow(&options.tracks, 0);
     let mut has_begun = false;
     let interrupted = loop {
+        if !options.failures.is_empty() {
+            processes.fail(&options.failures);
+        }
         if !has_begun && begins(processes.tick())? {
             processes.begin_last();
             has_begun = true;
