@@ -50,7 +50,7 @@ pub fn continuations(
     options: &ContinuationOptions,
     watch: &ReadProgress,
 ) -> Result<Vec<RobotShares>, BranchError> {
-    let all = Continuations::prepare(parent, change, options.clone(), watch)?;
+    let all = Continuations::verified(parent, change, options.clone(), watch)?;
     let tasks: Vec<(u64, u64)> = (1..=times).map(|seed| (tick, seed)).collect();
     Ok(shares(parent, &all.outcomes(&tasks)?))
 }

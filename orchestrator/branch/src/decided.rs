@@ -213,7 +213,7 @@ pub fn decided(
     };
     let mut search = Search {
         options,
-        continuations: Continuations::prepare(parent, &options.change, run, watch)?,
+        continuations: Continuations::verified(parent, &options.change, run, watch)?,
         samples: BTreeMap::new(),
     };
     let moments: BTreeSet<u64> = (0..options.moments)

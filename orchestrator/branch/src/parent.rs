@@ -7,7 +7,7 @@ use std::sync::Arc;
 use diff::{Comparison, diff_before};
 use log_tools::LogInfo;
 use mcap_log::{LogReadError, Origin, ReadProgress};
-use mission::in_process::{self, InProcessOptions};
+use mission::in_process::{self, Cache, InProcessOptions};
 use mission::{MissionError, MissionReport};
 use platform::presence;
 use recorder::RobotOutcome;
@@ -116,11 +116,27 @@ impl Parent {
         .into())
     }
 
-    /// Executes the run in this program, and compares it with the log.
+    /// Executes the run in this program to its end, with the processes that a change concerns beside it, and compares it
+    /// with the log. Afterwards `cache` has all that runs share.
     ///
     /// # Errors
-    /// [`BranchError::Different`]; others as those of [`rerun`].
-    pub fn verify(&self, watch: &ReadProgress) -> Result<(), BranchError> {
+    /// [`BranchError::Different`]; the change is refused; others as those of [`rerun`].
+    pub(crate) fn verify(
+        &self,
+        change: &Change,
+        cache: &Arc<Cache>,
+        watch: &ReadProgress,
+    ) -> Result<(), BranchError> {
+        let options = InProcessOptions {
+            cache: Arc::clone(cache),
+            interrupted: Arc::clone(&watch.interrupted),
+            ..InProcessOptions::default()
+        };
+        let report = self.run(u64::MAX, change, None, options, &mut |_| Ok(false))?;
+        if self.info.digest == Some(report.summary.digest) {
+            return Ok(());
+        }
+        // The log is not whole, or the first difference is to be named.
         let options = RerunOptions {
             in_process: true,
             allow_external: true,

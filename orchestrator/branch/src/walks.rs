@@ -75,38 +75,25 @@ struct Walk {
 }
 
 impl<'a> Continuations<'a> {
-    /// Opens the run with the change, and computes the data of its maps, which all copies share.
+    /// Compares the whole run with the log, which computes the data that all copies share.
     ///
     /// # Errors
-    /// [`BranchError`]: the change is refused, or a process cannot be opened.
-    pub(crate) fn prepare(
+    /// As those of [`Parent::verify`].
+    pub(crate) fn verified(
         parent: &'a Parent,
         change: &'a Change,
         options: ContinuationOptions,
         watch: &'a ReadProgress,
     ) -> Result<Self, BranchError> {
-        let all = Self {
+        let cache = Arc::default();
+        parent.verify(change, &cache, watch)?;
+        Ok(Self {
             parent,
             change,
             options,
-            cache: Arc::default(),
+            cache,
             watch,
-        };
-        let options = InProcessOptions {
-            last_tick: Some(0),
-            ..all.run_options()
-        };
-        parent.run(parent.last, change, None, options, &mut |_| Ok(false))?;
-        Ok(all)
-    }
-
-    fn run_options(&self) -> InProcessOptions {
-        InProcessOptions {
-            cache: Arc::clone(&self.cache),
-            interrupted: Arc::clone(&self.watch.interrupted),
-            force: self.options.force,
-            ..InProcessOptions::default()
-        }
+        })
     }
 
     /// Runs the continuations of these ticks and numbers of random streams; returns their outcomes in the same order.
@@ -230,7 +217,13 @@ impl<'a> Continuations<'a> {
         let out = out.map(|folder| folder.join(format!("{seed}.mcap")));
         // Of a single continuation the log names the tick; of several none begins by itself.
         let own = if let [tick] = ticks { *tick } else { u64::MAX };
-        let (parent, options) = (self.parent, self.run_options());
+        let options = InProcessOptions {
+            cache: Arc::clone(&self.cache),
+            interrupted: Arc::clone(&self.watch.interrupted),
+            force: self.options.force,
+            ..InProcessOptions::default()
+        };
+        let parent = self.parent;
         let done = parent.run(own, &change, out.as_deref(), options, &mut begins);
         let mut answer = Answer {
             tick: ticks.get(at.get()).copied().unwrap_or_default(),

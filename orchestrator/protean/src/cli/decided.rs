@@ -72,7 +72,6 @@ pub(super) fn run(kinds: &[Kind], args: &DecidedArgs) -> ExitCode {
         let allow_external = args.external.allow_external;
         let parent = Parent::read(&args.log, kinds, allow_external, watch)?;
         let change = args.change.change(1, true);
-        parent.verify(watch)?;
         let options = DecidedOptions {
             moments: args.moments,
             times: args.times,
