@@ -4,8 +4,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::time::{Duration, Instant};
 
 use rustix::process::Signal;
-use serde_json::Value as Json;
+use serde_json::{Value as Json, json};
 
+use crate::support::browser::browse;
 use crate::support::sandbox::signal;
 use crate::support::{SOON, Sandbox, until, wait_for_tick};
 
@@ -177,7 +178,7 @@ fn outcomes_of_copies_are_those_of_branches_from_the_start_for_any_number_of_job
     let sandbox = Sandbox::new();
     record_game(&sandbox);
     let decided = |jobs: &str| {
-        let words = "decided a.mcap --moments 4 --times 2 --share 0.6 --force --csv shares.csv --svg curve.svg --jobs";
+        let words = "decided a.mcap --moments 4 --times 2 --share 0.6 --force --svg curve.svg --report page.html --jobs";
         sandbox.protean(words.split(' ')).arg(jobs).json()
     };
     let report = decided("1");
@@ -186,7 +187,7 @@ fn outcomes_of_copies_are_those_of_branches_from_the_start_for_any_number_of_job
     assert!(moments.len() >= 4, "{report}");
     for moment in moments {
         let at_s = moment["time_s"].as_f64().unwrap();
-        let mut counts: BTreeMap<(String, String), u64> = BTreeMap::new();
+        let mut counts: BTreeMap<(String, String), (u64, u64)> = BTreeMap::new();
         for seed in 1..=moment["continuations"].as_u64().unwrap() {
             // Each runs in its own process from the start.
             let words = format!(
@@ -195,7 +196,8 @@ fn outcomes_of_copies_are_those_of_branches_from_the_start_for_any_number_of_job
             let branch = sandbox.protean(words.split(' ')).json();
             for robot in branch["robots"].as_array().unwrap() {
                 let of = |key: &str| robot[key].as_str().unwrap().to_owned();
-                *counts.entry((of("name"), of("outcome"))).or_default() += 1;
+                let key = (of("name"), of("outcome"));
+                counts.entry(key).or_insert((0, seed)).0 += 1;
             }
         }
         let mut found = BTreeMap::new();
@@ -203,7 +205,8 @@ fn outcomes_of_copies_are_those_of_branches_from_the_start_for_any_number_of_job
             for share in robot["outcomes"].as_array().unwrap() {
                 let of = |value: &Json| value.as_str().unwrap().to_owned();
                 let key = (of(&robot["robot"]), of(&share["outcome"]));
-                found.insert(key, share["count"].as_u64().unwrap());
+                let [count, stream] = ["count", "stream"].map(|key| share[key].as_u64().unwrap());
+                found.insert(key, (count, stream));
             }
         }
         assert_eq!(found, counts, "{moment}");
@@ -218,6 +221,21 @@ fn outcomes_of_copies_are_those_of_branches_from_the_start_for_any_number_of_job
     let curves = std::fs::read_to_string(sandbox.path().join("curve.svg")).unwrap();
     let decisions = report["decisions"].as_array().unwrap().len();
     assert_eq!(curves.matches("<polyline").count(), decisions);
+    let click = "(() => { document.querySelector('#stage .plot canvas').click(); \
+         return document.querySelector('#stage .plot pre').textContent; })()";
+    let steps = json!([
+        { "eval": "document.querySelectorAll('#stage .plot .legend button').length" },
+        { "eval": click },
+    ]);
+    if let Some(page) = browse(&sandbox.path().join("page.html"), &steps) {
+        assert_eq!(page["errors"], json!([]));
+        assert_eq!(page["answers"][0], decisions);
+        let commands = page["answers"][1].as_str().unwrap();
+        assert!(
+            commands.starts_with("protean branch a.mcap --at="),
+            "{commands}"
+        );
+    }
 }
 
 #[test]

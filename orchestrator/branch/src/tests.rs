@@ -94,6 +94,23 @@ fn a_branch_is_its_parent_before_the_moment_and_can_be_repeated_and_branched() {
 }
 
 #[test]
+fn a_branch_that_begins_on_demand_equals_one_with_its_tick() {
+    let folder = tempfile::tempdir().unwrap();
+    let parent = read(&record(folder.path(), "chase", &["rules.time_limit=3"]));
+    let change = Change {
+        reseed: strings(&["all"]),
+        ..Change::default()
+    };
+    let digest = |tick: u64, begin: u64| {
+        let options = InProcessOptions::default();
+        let run = parent.run(tick, &change, None, options, &mut |at| Ok(at == begin));
+        run.unwrap().summary.digest
+    };
+    assert_eq!(digest(u64::MAX, 30), digest(30, u64::MAX));
+    assert_ne!(digest(u64::MAX, 31), digest(30, u64::MAX));
+}
+
+#[test]
 fn moments_and_changes_that_no_run_can_take_are_refused_with_their_values() {
     let folder = tempfile::tempdir().unwrap();
     let log = record(folder.path(), "chase_exact", &["rules.time_limit=2"]);

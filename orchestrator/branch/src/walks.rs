@@ -54,7 +54,7 @@ pub(crate) struct Continuations<'a> {
     watch: &'a ReadProgress,
 }
 
-/// What a walk writes about a continuation.
+/// Line of a walk about a continuation.
 #[derive(Serialize, Deserialize)]
 struct Answer {
     tick: u64,

@@ -47,9 +47,9 @@ if (facts.decided) {
     });
   };
 
-  const said = element('p', { className: 'hint', textContent: 'Click a moment: how two of its continuations are shown side by side.' });
+  const hint = element('p', { className: 'hint', textContent: 'Click a moment: how two of its continuations are shown side by side.' });
   const commands = element('pre', { hidden: true });
-  plot.box.append(said, commands);
+  plot.box.append(hint, commands);
   const quoted = (word) => (/^[\w@%+=:,./-]+$/.test(word) ? word : `'${word.replaceAll("'", "'\\''")}'`);
 
   /** Shows the commands for two continuations from the moment next to a time: with the recorded outcome, and with another. */
@@ -63,7 +63,7 @@ if (facts.decided) {
       name, of: found.find(({ outcome }) => (outcome === decision.outcome) === (name === 'same')),
     })).filter(({ of }) => of);
     const counted = found.map(({ outcome, count }) => `${words(outcome)} in ${count}`).join(', ');
-    said.textContent = `${decision.robot} from ${timeText(nearest.time_s)} s on: ${counted} of ${nearest.continuations} continuations.`;
+    hint.textContent = `${decision.robot} from ${timeText(nearest.time_s)} s on: ${counted} of ${nearest.continuations} continuations.`;
     const options = ['set', 'replace', 'command'].flatMap((key) => (change[key] ?? []).map((text) => `--${key}=${text}`));
     if (change.for !== undefined) options.push(`--for=${change.for}`);
     const branch = ['protean', 'branch', log, `--at=${+nearest.time_s.toFixed(9)}`, ...options, `--reseed=${change.reseed.join(',')}`];
