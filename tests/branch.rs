@@ -178,7 +178,7 @@ fn outcomes_of_copies_are_those_of_branches_from_the_start_for_any_number_of_job
     let sandbox = Sandbox::new();
     record_game(&sandbox);
     let decided = |jobs: &str| {
-        let words = "decided a.mcap --moments 4 --times 2 --share 0.6 --force --svg curve.svg --report page.html --jobs";
+        let words = "decided a.mcap --moments 4 --times 1 --share 0.5 --force --svg curve.svg --report page.html --jobs";
         sandbox.protean(words.split(' ')).arg(jobs).json()
     };
     let report = decided("1");

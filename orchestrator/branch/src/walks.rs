@@ -119,7 +119,8 @@ impl<'a> Continuations<'a> {
             by_seed.entry(*seed).or_default().push(*tick);
         }
         // With few seeds, each has several walks, so that there is one for every processor.
-        let parts = self.options.jobs.div_ceil(by_seed.len().max(1));
+        let jobs = self.options.jobs.max(1);
+        let parts = jobs.div_ceil(by_seed.len().max(1));
         let mut waiting: VecDeque<(u64, Vec<u64>)> = VecDeque::new();
         for (seed, mut ticks) in by_seed {
             ticks.sort_unstable();
@@ -129,7 +130,7 @@ impl<'a> Continuations<'a> {
         let (mut walks, mut found) = (Vec::new(), BTreeMap::new());
         // On an error, the walks end with their list.
         loop {
-            while walks.len() < self.options.jobs.max(1)
+            while walks.len() < jobs
                 && let Some((seed, ticks)) = waiting.pop_front()
             {
                 walks.push(self.start(seed, ticks)?);

