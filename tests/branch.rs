@@ -1,6 +1,14 @@
 //! `protean branch` and `protean decided`: what precedes a branch is its parent's history, with processes or in one thread.
 
-use crate::support::Sandbox;
+use std::collections::{BTreeMap, BTreeSet};
+use std::time::{Duration, Instant};
+
+use rustix::process::Signal;
+use serde_json::{Value as Json, json};
+
+use crate::support::browser::browse;
+use crate::support::sandbox::signal;
+use crate::support::{SOON, Sandbox, until, wait_for_tick};
 
 /// Scenarios of 6 s with beliefs, trees, requests to the optimiser, obstacles that appear, verdicts, laps and areas.
 const SCENARIOS: [&str; 8] = [
@@ -14,41 +22,74 @@ const SCENARIOS: [&str; 8] = [
     "coverage_polygons",
 ];
 
+/// Records 6 s of a scenario and branches it at moments that follow from `draw`: without a change, with other streams, and
+/// with a command. Each branch must be its parent before its moment, and to the end without a change. Returns the number of
+/// branches.
+fn branch_at_random(sandbox: &Sandbox, scenario: &str, draw: &mut u64) -> u64 {
+    let mut next = |below: u64| {
+        *draw = draw.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+        (*draw >> 33) % below
+    };
+    let run = format!(
+        "run {scenario} --in-process --quiet --force --out a.mcap --set rules.time_limit=6 --seed {}",
+        next(1000)
+    );
+    let run = sandbox.protean(run.split(' ')).run();
+    assert_eq!(run.code, Some(0), "{run}");
+    let info = sandbox
+        .protean("info a.mcap --json".split(' '))
+        .run()
+        .json();
+    let end_s = info["end_s"].as_f64().unwrap();
+    let robots = info["robots"].as_array().unwrap();
+    let robot = &robots[next(robots.len() as u64) as usize]["name"];
+    let robot = robot.as_str().unwrap();
+    let streams = format!(" --reseed all --seed {}", next(1000));
+    let command = format!(" --command {robot}=0.05,0.3 --for 1");
+    let changes = ["", " --reseed all", &streams, &command];
+    for change in changes {
+        // A multiple of every tick period.
+        let at_s = next((end_s * 5.0 - 1.0) as u64) as f64 / 5.0;
+        let words = format!("branch a.mcap --at {at_s} --force --out b.mcap --json{change}");
+        let branch = sandbox.protean(words.split(' ')).run();
+        assert_eq!(branch.code, Some(0), "{scenario} {words}: {branch}");
+        let report = branch.json();
+        assert_eq!(report["same"], true, "{scenario} {words}: {branch}");
+        if change.is_empty() {
+            assert_eq!(
+                report["branch_digest"], info["digest"],
+                "{scenario}: {branch}"
+            );
+        }
+        let verified = sandbox.protean("verify b.mcap --quiet".split(' ')).run();
+        assert_eq!(verified.code, Some(0), "{scenario} {words}: {verified}");
+    }
+    changes.len() as u64
+}
+
 #[test]
 fn a_branch_without_a_change_equals_its_parent_and_others_do_up_to_their_moment() {
-    let sandbox = Sandbox::new();
-    let mut draw = 12_345_u64;
+    let (sandbox, mut draw) = (Sandbox::new(), 12_345);
     for scenario in SCENARIOS {
-        let run = format!(
-            "run {scenario} --in-process --quiet --force --out a.mcap --set rules.time_limit=6"
-        );
-        let run = sandbox.protean(run.split(' ')).run();
-        assert_eq!(run.code, Some(0), "{run}");
-        let info = sandbox
-            .protean("info a.mcap --json".split(' '))
-            .run()
-            .json();
-        let end_s = info["end_s"].as_f64().unwrap();
-        for change in ["", " --reseed all", " --reseed all --seed 2"] {
-            draw = draw.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-            // A multiple of every tick period.
-            let at_s = (draw >> 33) % (end_s * 5.0 - 1.0) as u64;
-            let at_s = at_s as f64 / 5.0;
-            let words = format!("branch a.mcap --at {at_s} --force --out b.mcap --json{change}");
-            let branch = sandbox.protean(words.split(' ')).run();
-            assert_eq!(branch.code, Some(0), "{scenario} {words}: {branch}");
-            let report = branch.json();
-            assert_eq!(report["same"], true, "{scenario} {words}: {branch}");
-            if change.is_empty() {
-                assert_eq!(
-                    report["branch_digest"], info["digest"],
-                    "{scenario}: {branch}"
-                );
-            }
-            let verified = sandbox.protean("verify b.mcap --quiet".split(' ')).run();
-            assert_eq!(verified.code, Some(0), "{scenario} {words}: {verified}");
-        }
+        branch_at_random(&sandbox, scenario, &mut draw);
     }
+}
+
+#[test]
+#[ignore = "ten minutes: docs/how-to/branch.md says how to run it"]
+fn branches_of_all_built_in_scenarios_are_their_parents_up_to_their_moments() {
+    let (sandbox, mut draw, mut branches) = (Sandbox::new(), 1, 0);
+    let deadline = Instant::now() + Duration::from_secs(600);
+    let listed = sandbox.protean(["list"]).json();
+    let all: Vec<_> = listed["scenarios"].as_array().unwrap().iter().collect();
+    for scenario in all.iter().cycle() {
+        if Instant::now() >= deadline {
+            break;
+        }
+        let name = scenario["name"].as_str().unwrap();
+        branches += branch_at_random(&sandbox, name, &mut draw);
+    }
+    println!("{branches} branches");
 }
 
 #[test]
@@ -93,21 +134,163 @@ fn a_command_changes_the_history_from_its_moment_on_and_not_before() {
 }
 
 #[test]
-fn outcomes_of_continuations_are_the_same_in_any_number_of_threads() {
+fn a_process_that_failed_fails_in_every_branch_at_its_tick() {
     let sandbox = Sandbox::new();
-    let run = "run chase_exact --in-process --quiet --out a.mcap --set rules.time_limit=6";
+    let words = "run chase --quiet --out a.mcap --set run.dt=0.01 --set rules.time_limit=8 --set processes.evader_potential.on_failure=continue";
+    let running = sandbox.protean(words.split(' ')).start();
+    wait_for_tick(&sandbox.next_run(&BTreeSet::new()), 100);
+    signal(
+        sandbox.process("evader_potential_evader_1").pid,
+        Signal::KILL,
+    );
+    let run = running.finish();
+    assert_eq!(run.code, Some(3), "{run}");
+    let info = sandbox.protean("info a.mcap".split(' ')).json();
+    let branch = |change: &str| {
+        let words = format!("branch a.mcap --force --out b.mcap --json {change}");
+        let branch = sandbox.protean(words.split(' ')).run();
+        assert_eq!(branch.code, Some(0), "{words}: {branch}");
+        let verified = sandbox.protean("verify b.mcap --quiet".split(' ')).run();
+        assert_eq!(verified.code, Some(0), "{words}: {verified}");
+        branch.json()
+    };
+    for at_s in ["0.5", "7"] {
+        let nothing = branch(&format!("--at {at_s}"));
+        assert_eq!(nothing["branch_digest"], info["digest"], "{nothing}");
+    }
+    let other = branch("--at 7 --reseed all");
+    assert_ne!(other["branch_digest"], info["digest"], "{other}");
+    let times = "branch a.mcap --at 7 --times 2";
+    sandbox.protean(times.split(' ')).json();
+}
+
+/// Records a whole game; returns its end (s).
+fn record_game(sandbox: &Sandbox) -> f64 {
+    let run = "run chase_exact --in-process --quiet --out a.mcap";
     let run = sandbox.protean(run.split(' ')).run();
     assert_eq!(run.code, Some(0), "{run}");
-    let times = "branch a.mcap --at 4 --times 3 --json";
-    let report = sandbox.protean(times.split(' ')).run().json();
-    assert_eq!(report["robots"][4]["outcomes"][0]["count"], 3, "{report}");
+    let info = sandbox.protean("info a.mcap".split(' ')).json();
+    info["end_s"].as_f64().unwrap()
+}
+
+#[test]
+fn outcomes_of_copies_are_those_of_branches_from_the_start_for_any_number_of_jobs() {
+    let sandbox = Sandbox::new();
+    record_game(&sandbox);
     let decided = |jobs: &str| {
-        let words = "decided a.mcap --moments 2 --times 2 --share 0.5 --json --force --csv shares.csv --jobs";
-        let outcome = sandbox.protean(words.split(' ')).arg(jobs).run();
-        assert_eq!(outcome.code, Some(0), "{outcome}");
-        outcome.json()
+        let words = "decided a.mcap --moments 4 --times 1 --share 0.5 --force --svg curve.svg --report page.html --jobs";
+        sandbox.protean(words.split(' ')).arg(jobs).json()
     };
-    let one = decided("1");
-    assert_eq!(one, decided("3"));
-    assert_eq!(one["decisions"][0]["outcome"], "timed_out", "{one}");
+    let report = decided("1");
+    assert_eq!(report, decided("3"));
+    let moments = report["moments"].as_array().unwrap();
+    assert!(moments.len() >= 4, "{report}");
+    for moment in moments {
+        let at_s = moment["time_s"].as_f64().unwrap();
+        let mut counts: BTreeMap<(String, String), (u64, u64)> = BTreeMap::new();
+        for seed in 1..=moment["continuations"].as_u64().unwrap() {
+            // Each runs in its own process from the start.
+            let words = format!(
+                "branch a.mcap --at {at_s} --reseed all --seed {seed} --force --out b.mcap"
+            );
+            let branch = sandbox.protean(words.split(' ')).json();
+            for robot in branch["robots"].as_array().unwrap() {
+                let of = |key: &str| robot[key].as_str().unwrap().to_owned();
+                let key = (of("name"), of("outcome"));
+                counts.entry(key).or_insert((0, seed)).0 += 1;
+            }
+        }
+        let mut found = BTreeMap::new();
+        for robot in moment["robots"].as_array().unwrap() {
+            for share in robot["outcomes"].as_array().unwrap() {
+                let of = |value: &Json| value.as_str().unwrap().to_owned();
+                let key = (of(&robot["robot"]), of(&share["outcome"]));
+                let [count, stream] = ["count", "stream"].map(|key| share[key].as_u64().unwrap());
+                found.insert(key, (count, stream));
+            }
+        }
+        assert_eq!(found, counts, "{moment}");
+    }
+    for decision in report["decisions"].as_array().unwrap() {
+        let (at, between) = (&decision["time_s"], &decision["between_s"]);
+        let ends = between.as_array().map_or([0.0, 0.0], |ends| {
+            [0, 1].map(|end: usize| ends[end].as_f64().unwrap())
+        });
+        assert!(ends[1] - ends[0] <= 1.0 && ends[1] < at.as_f64().unwrap());
+    }
+    let curves = std::fs::read_to_string(sandbox.path().join("curve.svg")).unwrap();
+    let decisions = report["decisions"].as_array().unwrap().len();
+    assert_eq!(curves.matches("<polyline").count(), decisions);
+    let click = "(() => { document.querySelector('#stage .plot canvas').click(); \
+         return document.querySelector('#stage .plot pre').textContent; })()";
+    let steps = json!([
+        { "eval": "document.querySelectorAll('#stage .plot .legend button').length" },
+        { "eval": click },
+    ]);
+    if let Some(page) = browse(&sandbox.path().join("page.html"), &steps) {
+        assert_eq!(page["errors"], json!([]));
+        assert_eq!(page["answers"][0], decisions);
+        let commands = page["answers"][1].as_str().unwrap();
+        assert!(
+            commands.starts_with("protean branch a.mcap --at="),
+            "{commands}"
+        );
+    }
+}
+
+#[test]
+fn continuations_near_the_end_have_the_recorded_outcomes_and_keep_their_logs() {
+    let sandbox = Sandbox::new();
+    let late = record_game(&sandbox) - 0.1;
+    let times = format!("branch a.mcap --at {late:.2} --times 3 --keep-logs kept");
+    let report = sandbox.protean(times.split(' ')).json();
+    for robot in report["robots"].as_array().unwrap() {
+        let outcome = &robot["outcomes"][0];
+        assert_eq!(outcome["count"], 3, "{report}");
+        assert_eq!(outcome["outcome"], robot["recorded"], "{report}");
+    }
+    let verified = sandbox.protean(["verify", "kept/2.mcap", "--quiet"]).run();
+    assert_eq!(verified.code, Some(0), "{verified}");
+}
+
+#[test]
+fn a_killed_copy_is_an_error_and_an_interruption_leaves_nothing() {
+    let sandbox = Sandbox::new();
+    record_game(&sandbox);
+    let decided = || {
+        let words = "decided a.mcap --moments 8 --times 2000 --jobs 2 --quiet";
+        sandbox.protean(words.split(' ')).start()
+    };
+    let children = |pid: u32| -> Vec<u32> {
+        let list = std::fs::read_to_string(format!("/proc/{pid}/task/{pid}/children"));
+        let list = list.unwrap_or_default();
+        list.split_whitespace()
+            .map(|pid| pid.parse().unwrap())
+            .collect()
+    };
+    // A continuation is a child of a walk, which is a child of the program.
+    let continuation = |pid: u32| {
+        let mut walks = children(pid).into_iter();
+        walks.find_map(|walk| children(walk).first().copied())
+    };
+    let running = decided();
+    let copy = until("a copy", SOON, || continuation(running.pid()));
+    signal(copy, Signal::KILL);
+    let words = ["the continuation from", "has no outcome: its process ended"];
+    running.finish().refused(1, &words);
+    sandbox.assert_empty();
+
+    let running = decided();
+    until("a copy", SOON, || continuation(running.pid()));
+    running.signal(Signal::INT);
+    running.finish().refused(3, &["interrupted"]);
+    sandbox.assert_empty();
+
+    let mut running = decided();
+    until("a copy", SOON, || continuation(running.pid()));
+    running.signal(Signal::KILL);
+    until("its end", SOON, || (!running.is_alive()).then_some(()));
+    until("the end of its copies", SOON, || {
+        sandbox.processes().is_empty().then_some(())
+    });
 }

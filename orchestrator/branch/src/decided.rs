@@ -6,17 +6,16 @@
 //! given one.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::sync::Arc;
 
 use mcap_log::{LogReadError, ReadProgress};
-use mission::in_process::Cache;
 use replay::lineage::Change;
 use serde::Serialize;
 use statistics::wilson;
 
-use crate::continuations::{ContinuationOptions, Outcomes, RobotShares, run_all, shares};
+use crate::continuations::{RobotShares, shares};
 use crate::error::BranchError;
 use crate::parent::Parent;
+use crate::walks::{ContinuationOptions, Continuations, Outcomes};
 
 /// Width of a bracket at which the bisection ends (s).
 const WIDTH_S: f64 = 1.0;
@@ -34,7 +33,7 @@ pub struct DecidedOptions {
     pub threshold: f64,
     /// The change, with the streams that vary.
     pub change: Change,
-    /// Number of threads.
+    /// Number of continuations at once, > 0.
     pub jobs: usize,
 }
 
@@ -85,11 +84,8 @@ pub struct DecidedReport {
 }
 
 struct Search<'a> {
-    parent: &'a Parent,
     options: &'a DecidedOptions,
-    run: ContinuationOptions,
-    cache: Arc<Cache>,
-    watch: &'a ReadProgress,
+    continuations: Continuations<'a>,
     samples: BTreeMap<u64, Outcomes>,
 }
 
@@ -101,15 +97,7 @@ impl Search<'_> {
             (known + 1..=times).map(move |seed| (tick, seed))
         });
         let tasks: Vec<(u64, u64)> = missing.collect();
-        let change = &self.options.change;
-        let found = run_all(
-            self.parent,
-            &tasks,
-            change,
-            &self.run,
-            &self.cache,
-            self.watch,
-        )?;
+        let found = self.continuations.outcomes(&tasks)?;
         for ((tick, _), outcomes) in tasks.into_iter().zip(found) {
             self.samples.entry(tick).or_default().push(outcomes);
         }
@@ -151,7 +139,9 @@ impl Search<'_> {
         outcome: &str,
         end: u64,
     ) -> Result<(Option<[u64; 2]>, bool), BranchError> {
-        let width = (WIDTH_S / self.parent.scenario.run.dt).round().max(1.0) as u64;
+        let width = (WIDTH_S / self.continuations.parent.scenario.run.dt)
+            .round()
+            .max(1.0) as u64;
         let known: Vec<u64> = self
             .samples
             .keys()
@@ -189,7 +179,8 @@ impl Search<'_> {
     }
 }
 
-/// Continues a run from many moments, and finds for each robot with an outcome when that was decided.
+/// Continues a run from many moments, and finds for each robot with an outcome when that was decided. Continuations run in
+/// copies of this process, which must have a single thread.
 ///
 /// # Errors
 /// [`BranchError`]: an option is out of its range, the change is refused, or a run fails or is interrupted.
@@ -216,15 +207,13 @@ pub fn decided(
         );
         return Err(LogReadError::Argument(text).into());
     }
+    let run = ContinuationOptions {
+        jobs: options.jobs,
+        ..ContinuationOptions::default()
+    };
     let mut search = Search {
-        parent,
         options,
-        run: ContinuationOptions {
-            jobs: options.jobs,
-            ..ContinuationOptions::default()
-        },
-        cache: Arc::default(),
-        watch,
+        continuations: Continuations::verified(parent, &options.change, run, watch)?,
         samples: BTreeMap::new(),
     };
     let moments: BTreeSet<u64> = (0..options.moments)

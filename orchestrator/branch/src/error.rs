@@ -5,7 +5,6 @@ use std::path::PathBuf;
 use mcap_log::LogReadError;
 use mission::MissionError;
 use replay::ReplayError;
-use sweep::SweepError;
 
 /// Error of a branch.
 #[derive(Debug, thiserror::Error)]
@@ -21,9 +20,19 @@ pub enum BranchError {
         /// First tick with a difference.
         tick: u64,
     },
-    /// The threads cannot be started.
-    #[error(transparent)]
-    Pool(#[from] SweepError),
+    /// A continuation failed, or its process was killed.
+    #[error("the continuation from {at} s with stream {seed} has no outcome: {reason}")]
+    Continuation {
+        /// Number of its random streams.
+        seed: u64,
+        /// Its first moment (s).
+        at: String,
+        /// Error of its run.
+        reason: String,
+    },
+    /// The system makes no copy of this process.
+    #[error("continuations run in copies of this process: {0}")]
+    Copy(std::io::Error),
 }
 
 impl From<LogReadError> for BranchError {

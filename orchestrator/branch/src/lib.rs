@@ -10,12 +10,14 @@ mod curve;
 mod decided;
 mod error;
 mod parent;
+mod walks;
 
 #[cfg(test)]
 mod tests;
 
-pub use continuations::{ContinuationOptions, OutcomeShare, RobotShares, continuations};
+pub use continuations::{OutcomeShare, RobotShares, continuations};
 pub use curve::curve_svg;
 pub use decided::{DecidedOptions, DecidedReport, Decision, Moment, decided};
 pub use error::BranchError;
 pub use parent::{BranchReport, Parent};
+pub use walks::ContinuationOptions;

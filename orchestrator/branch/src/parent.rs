@@ -1,8 +1,8 @@
 //! The run of which branches are made.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use diff::{Comparison, diff_before};
 use log_tools::LogInfo;
@@ -27,6 +27,7 @@ pub struct Parent {
     kinds: Vec<Kind>,
     pub(crate) scenario: ResolvedScenario,
     points: Vec<BranchPoint>,
+    failures: BTreeMap<String, u64>,
     pub(crate) info: LogInfo,
     /// Last tick of the log.
     pub(crate) last: u64,
@@ -77,6 +78,7 @@ impl Parent {
         let scenario = scenario_of(&origin, log, &[], so, kinds)?;
         refuse_external(log, &scenario, allow_external)?;
         let points = branch_points(&origin, log)?;
+        let failures = replay::failures(log, &points, watch)?;
         let info = LogInfo::read(log, watch)?;
         let last = (info.end_s / scenario.run.dt).round() as u64;
         Ok(Self {
@@ -84,6 +86,7 @@ impl Parent {
             kinds: kinds.to_vec(),
             scenario,
             points,
+            failures,
             info,
             last,
         })
@@ -113,14 +116,31 @@ impl Parent {
         .into())
     }
 
-    /// Executes the run in this program, and compares it with the log.
+    /// Executes the run in this program to its end, with the processes that a change concerns beside it, and compares it
+    /// with the log. Afterwards `cache` has all that runs share.
     ///
     /// # Errors
-    /// [`BranchError::Different`]; others as those of [`rerun`].
-    pub fn verify(&self, watch: &ReadProgress) -> Result<(), BranchError> {
+    /// [`BranchError::Different`]; the change is refused; others as those of [`rerun`].
+    pub(crate) fn verify(
+        &self,
+        change: &Change,
+        cache: &Arc<Cache>,
+        watch: &ReadProgress,
+    ) -> Result<(), BranchError> {
+        let options = InProcessOptions {
+            cache: Arc::clone(cache),
+            interrupted: Arc::clone(&watch.interrupted),
+            ..InProcessOptions::default()
+        };
+        let report = self.run(u64::MAX, change, None, options, &mut |_| Ok(false))?;
+        if self.info.digest == Some(report.summary.digest) {
+            return Ok(());
+        }
+        // The log is not whole, or the first difference is to be named.
         let options = RerunOptions {
             in_process: true,
             allow_external: true,
+            failures: true,
         };
         // Without the events of the run, which it repeats.
         let mut quiet = ReadProgress::new(Arc::clone(&watch.interrupted), true);
@@ -143,11 +163,12 @@ impl Parent {
             tick,
             at_s: tick as f64 * self.scenario.run.dt,
             change: change.clone(),
+            failures: self.failures.clone(),
         };
         self.points.iter().cloned().chain([point]).collect()
     }
 
-    /// Runs the branch of a tick to its end.
+    /// Runs the branch of a tick to its end; it begins earlier at the first tick for which `begins` returns `true`.
     ///
     /// # Errors
     /// [`BranchError`]: the change is refused, or the run fails or is interrupted.
@@ -157,18 +178,20 @@ impl Parent {
         change: &Change,
         out: Option<&Path>,
         options: InProcessOptions,
+        begins: &mut dyn FnMut(u64) -> Result<bool, MissionError>,
     ) -> Result<MissionReport, BranchError> {
         let points = self.points(tick, change);
         let options = InProcessOptions {
             out: out.map(Path::to_owned),
             libraries: true,
+            failures: self.failures.clone(),
             branches: branches(&points, &self.scenario, &self.kinds)?,
             source: serde_json::to_string(&points)
                 .ok()
                 .map(|text| (Origin::BRANCHES, text)),
             ..options
         };
-        let report = in_process::run(&self.scenario, &options)?;
+        let report = in_process::run_until(&self.scenario, &options, begins)?;
         if report.interrupted {
             return Err(LogReadError::Interrupted.into());
         }
@@ -198,7 +221,7 @@ impl Parent {
             interrupted: Arc::clone(&watch.interrupted),
             ..InProcessOptions::default()
         };
-        let report = self.run(tick, change, Some(&out), options)?;
+        let report = self.run(tick, change, Some(&out), options, &mut |_| Ok(false))?;
         let tick_ns = (self.scenario.run.dt * 1e9).round() as u64;
         let comparison =
             diff_before(&self.log, &out, tick.saturating_mul(tick_ns), watch)?.comparison;
@@ -243,14 +266,5 @@ impl Parent {
             }
         }
         Ok(self.log.with_extension("branch.mcap"))
-    }
-}
-
-/// Returns the options of a run without a log that shares its maps with others.
-pub(crate) fn shared(cache: &Arc<Cache>, interrupted: &Arc<AtomicBool>) -> InProcessOptions {
-    InProcessOptions {
-        cache: Arc::clone(cache),
-        interrupted: Arc::clone(interrupted),
-        ..InProcessOptions::default()
     }
 }

@@ -5,9 +5,7 @@ use mission::in_process::{InProcessOptions, run};
 use replay::lineage::Change;
 use replay::{RerunOptions, rerun};
 
-use crate::{
-    BranchReport, ContinuationOptions, DecidedOptions, Parent, continuations, curve_svg, decided,
-};
+use crate::{BranchReport, Parent};
 
 /// Records a mission into a folder; returns its log.
 fn record(folder: &Path, name: &str, set: &[&str]) -> PathBuf {
@@ -96,6 +94,23 @@ fn a_branch_is_its_parent_before_the_moment_and_can_be_repeated_and_branched() {
 }
 
 #[test]
+fn a_branch_that_begins_on_demand_equals_one_with_its_tick() {
+    let folder = tempfile::tempdir().unwrap();
+    let parent = read(&record(folder.path(), "chase", &["rules.time_limit=3"]));
+    let change = Change {
+        reseed: strings(&["all"]),
+        ..Change::default()
+    };
+    let digest = |tick: u64, begin: u64| {
+        let options = InProcessOptions::default();
+        let run = parent.run(tick, &change, None, options, &mut |at| Ok(at == begin));
+        run.unwrap().summary.digest
+    };
+    assert_eq!(digest(u64::MAX, 30), digest(30, u64::MAX));
+    assert_ne!(digest(u64::MAX, 31), digest(30, u64::MAX));
+}
+
+#[test]
 fn moments_and_changes_that_no_run_can_take_are_refused_with_their_values() {
     let folder = tempfile::tempdir().unwrap();
     let log = record(folder.path(), "chase_exact", &["rules.time_limit=2"]);
@@ -148,48 +163,4 @@ fn moments_and_changes_that_no_run_can_take_are_refused_with_their_values() {
             .unwrap_err();
         assert!(error.to_string().contains(word), "{error}");
     }
-}
-
-#[test]
-fn the_share_of_an_outcome_reaches_one_before_it_happens() {
-    let folder = tempfile::tempdir().unwrap();
-    let log = record(folder.path(), "chase_exact", &[]);
-    let parent = read(&log);
-    let watch = ReadProgress::default();
-    parent.verify(&watch).unwrap();
-    let change = Change {
-        reseed: strings(&["all"]),
-        ..Change::default()
-    };
-    let run = ContinuationOptions {
-        jobs: 2,
-        ..ContinuationOptions::default()
-    };
-    let late = parent.last - 2;
-    let robots = continuations(&parent, late, &change, 3, &run, &watch).unwrap();
-    for robot in &robots {
-        assert_eq!(
-            robot.outcomes.iter().map(|share| share.count).sum::<u64>(),
-            3
-        );
-        assert_eq!(robot.outcomes[0].outcome, robot.recorded, "{robot:?}");
-    }
-    let options = DecidedOptions {
-        moments: 4,
-        times: 2,
-        threshold: 0.6,
-        change,
-        jobs: 2,
-    };
-    let report = decided(&parent, &options, &watch).unwrap();
-    assert!(report.moments.is_sorted_by(|a, b| a.time_s < b.time_s));
-    assert_eq!(report.decisions.len(), 2);
-    for decision in &report.decisions {
-        let [low, high] = decision.between_s.unwrap_or([0.0, 0.0]);
-        assert!(high - low <= 1.0 && high < decision.time_s, "{decision:?}");
-    }
-    let picture = curve_svg(&report);
-    assert_eq!(picture.matches("<polyline").count(), 2);
-    let again = decided(&parent, &DecidedOptions { jobs: 1, ..options }, &watch).unwrap();
-    assert_eq!(again, report);
 }

@@ -5,6 +5,7 @@ pub mod browser;
 pub mod descriptors;
 pub mod file_kind;
 pub mod file_lock;
+pub mod fork;
 pub mod limits;
 pub mod machine;
 pub mod output_format;

@@ -84,6 +84,15 @@ pub fn variable(pid: i32, name: &str) -> Result<Option<OsString>> {
     Ok(existing(environment)?.and_then(|mut all| all.remove(OsStr::new(name))))
 }
 
+/// Returns the number of threads of this process.
+///
+/// # Errors
+/// The error of the system if it cannot be read.
+pub fn own_threads() -> Result<i64> {
+    let stat = Process::myself().and_then(|process| process.stat());
+    stat.map(|stat| stat.num_threads).map_err(error)
+}
+
 fn stat_of(process: &Process) -> ProcResult<Stat> {
     let stat = process.stat()?;
     Ok(Stat {

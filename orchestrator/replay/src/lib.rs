@@ -22,7 +22,7 @@ pub use error::ReplayError;
 pub use player::replay;
 pub use recorded::ProcessExit;
 pub use replay_report::{ReplayOptions, ReplayReport};
-pub use rerun::{Rerun, RerunOptions, rerun, run_again};
+pub use rerun::{Rerun, RerunOptions, failures, rerun, run_again};
 pub use verify::{VerificationReport, VerifyOptions, verify};
 
 use ipc_types::bus::BusOptions;

@@ -59,6 +59,9 @@ pub struct BranchPoint {
     pub at_s: f64,
     /// The change.
     pub change: Change,
+    /// Processes that fail in the run of the parent, with the first tick without each.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub failures: BTreeMap<String, u64>,
 }
 
 /// Returns the branches that a log names, oldest first; none for a run without.

@@ -1,6 +1,6 @@
 //! The whole run in a log, for its repetition.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use ipc_types::messages::process::ProcessEvent;
@@ -11,7 +11,7 @@ use mcap_log::Condition;
 use mcap_log::LogReadError;
 use mcap_log::Origin;
 use mcap_log::ReadProgress;
-use mcap_log::known::ENCAPSULATION;
+use mcap_log::known::{ENCAPSULATION, stamp};
 use mcap_log::reader::{Item, Reader};
 use serde::Serialize;
 use zerocopy::FromBytes as _;
@@ -41,6 +41,8 @@ pub(super) struct RecordedRun {
     /// contain. A process that has done a tick may still owe an answer in it; the comparison therefore ends before
     /// the last tick that the process has done.
     pub(super) left: Option<ProcessExit>,
+    /// Processes that failed, by name, with the first tick without each: the one after its last messages.
+    pub(super) failures: BTreeMap<String, u64>,
 }
 
 impl RecordedRun {
@@ -57,6 +59,8 @@ impl RecordedRun {
         let mut reader = Reader::open(log, Some(watch))?;
         let mut topics = BTreeSet::new();
         let (mut states, mut events) = (None, None);
+        // Channels with stamps, and the tick of the last message of each process.
+        let (mut own, mut sent) = (BTreeSet::new(), BTreeMap::new());
         let (mut first_time_ns, mut last_time_ns) = (u64::MAX, 0);
         while let Some(item) = reader.next()? {
             match item {
@@ -66,6 +70,9 @@ impl RecordedRun {
                         Some(TopicId::WorldState) => states = Some(channel.id),
                         Some(TopicId::ProcessEvents) => events = Some(channel.id),
                         _ => {}
+                    }
+                    if TopicId::from_name(&channel.topic).is_some() {
+                        own.insert(channel.id);
                     }
                     topics.insert(channel.topic.clone());
                 }
@@ -80,8 +87,17 @@ impl RecordedRun {
                     } else if id == events {
                         recorded.note_failure(body, &of_interest);
                     }
+                    if let Some(stamp) = stamp(data).filter(|_| own.contains(&header.channel_id)) {
+                        sent.insert(stamp.source, stamp.tick);
+                    }
                 }
                 other => recorded.origin.add(&other),
+            }
+        }
+        let names = recorded.origin.manifest.get("processes");
+        for (name, index) in names.map_or("", String::as_str).split(',').zip(0_u32..) {
+            if let (Some(first), Some(last)) = (recorded.failures.get_mut(name), sent.get(&index)) {
+                *first = (*first).max(last + 1);
             }
         }
         recorded.condition = reader.condition().clone();
@@ -109,15 +125,16 @@ impl RecordedRun {
         let Ok((event, _)) = ProcessEvent::read_from_prefix(event) else {
             return;
         };
-        let is_earlier = self.left.as_ref().is_none_or(|left| event.tick < left.tick);
-        if event.kind != ProcessEvent::LEFT || !is_earlier {
+        if event.kind != ProcessEvent::LEFT {
             return;
         }
         let names = self.origin.manifest.get("processes");
         let mut names = names.map_or("", String::as_str).split(',');
         let name = names.nth(event.process as usize).map(str::to_owned);
         let process = name.unwrap_or_else(|| format!("process {}", event.process));
-        if of_interest(&process) {
+        self.failures.insert(process.clone(), event.tick);
+        let is_earlier = self.left.as_ref().is_none_or(|left| event.tick < left.tick);
+        if is_earlier && of_interest(&process) {
             self.left = Some(ProcessExit {
                 process,
                 tick: event.tick,

@@ -1,5 +1,6 @@
 //! Repetition of the run in a log.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -11,7 +12,7 @@ use serde::Serialize;
 use super::origin::{nothing_to_compare, refuse_external};
 use super::recorded::{ProcessExit, RecordedRun};
 use crate::ReplayError;
-use crate::lineage::{branch_points, branches};
+use crate::lineage::{BranchPoint, branch_points, branches};
 use crate::origin::scenario_of;
 use mission::in_process::{self, Branch, InProcessOptions};
 use mission::{self, MissionError, MissionOptions, MissionReport};
@@ -26,6 +27,8 @@ pub struct RerunOptions {
     pub in_process: bool,
     /// `true` if external programs may be started.
     pub allow_external: bool,
+    /// `true` to repeat the failures of processes, with all processes in this process, and to compare what follows.
+    pub failures: bool,
 }
 
 /// Result of repeating a run.
@@ -72,7 +75,7 @@ pub fn rerun(
     options: RerunOptions,
     watch: &mut ReadProgress,
 ) -> Result<Rerun, ReplayError> {
-    let recorded = RecordedRun::read(log, |_| true, watch)?;
+    let mut recorded = RecordedRun::read(log, |_| true, watch)?;
     let scenario = scenario_of(
         &recorded.origin,
         log,
@@ -83,6 +86,11 @@ pub fn rerun(
     refuse_external(log, &scenario, options.allow_external)?;
     let points = branch_points(&recorded.origin, log)?;
     let branches = branches(&points, &scenario, kinds)?;
+    let mut failures = failures_of(&points);
+    if options.failures {
+        failures.append(&mut recorded.failures);
+        recorded.left = None;
+    }
     let folder = Scratch::create().map_err(|source| MissionError::System {
         what: "a temporary directory: cannot be created".into(),
         source,
@@ -93,7 +101,7 @@ pub fn rerun(
         &again,
         Some(recorded.last_needed()),
         options.in_process,
-        branches,
+        (branches, failures),
         watch,
     )?;
     if report.interrupted {
@@ -126,8 +134,27 @@ pub fn rerun(
     })
 }
 
-/// Runs a scenario for a comparison, up to this tick: its log at `out` has the history alone. With branches, all processes
-/// run in this process.
+/// Returns the processes that fail in the run of a log, by name, with the first tick without each; `points` are its branches.
+///
+/// # Errors
+/// [`LogReadError`] if the log is unreadable.
+pub fn failures(
+    log: &Path,
+    points: &[BranchPoint],
+    watch: &mut ReadProgress,
+) -> Result<BTreeMap<String, u64>, LogReadError> {
+    let mut failures = failures_of(points);
+    failures.append(&mut RecordedRun::read(log, |_| true, watch)?.failures);
+    Ok(failures)
+}
+
+fn failures_of(points: &[BranchPoint]) -> BTreeMap<String, u64> {
+    let failures = points.last().map(|point| point.failures.clone());
+    failures.unwrap_or_default()
+}
+
+/// Runs a scenario for a comparison, up to this tick: its log at `out` has the history alone. With changes or failures of
+/// processes, all of these run in this process.
 ///
 /// # Errors
 /// As [`mission::run`](fn@mission::run) and [`in_process::run`].
@@ -136,12 +163,12 @@ pub fn run_again(
     out: &Path,
     last_tick: Option<u64>,
     in_process: bool,
-    branches: Vec<Branch>,
+    (branches, failures): (Vec<Branch>, BTreeMap<String, u64>),
     watch: &ReadProgress,
 ) -> Result<MissionReport, MissionError> {
     scenario.log.viewer_rate_hz = 0.0;
     let (out, interrupted) = (Some(out.to_owned()), Arc::clone(&watch.interrupted));
-    if in_process || !branches.is_empty() {
+    if in_process || !branches.is_empty() || !failures.is_empty() {
         let options = InProcessOptions {
             out,
             last_tick,
@@ -149,6 +176,7 @@ pub fn run_again(
             interrupted,
             libraries: true,
             branches,
+            failures,
             ..InProcessOptions::default()
         };
         in_process::run(&scenario, &options)

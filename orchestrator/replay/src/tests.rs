@@ -32,6 +32,7 @@ fn record_run(path: &Path, ticks: u64, chunk_bytes: u64, change: impl Fn(&mut Co
 const IN_PROCESS: RerunOptions = RerunOptions {
     in_process: true,
     allow_external: false,
+    failures: false,
 };
 
 #[test]

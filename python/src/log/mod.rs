@@ -128,7 +128,7 @@ impl LogFile {
 
     /// The page of the run (HTML).
     fn page(&self, py: Python<'_>) -> PyResult<String> {
-        let render = |watch: &mut ReadProgress| page::render(&[&self.path], watch);
+        let render = |watch: &mut ReadProgress| page::render(&[&self.path], None, watch);
         let (page, _) = read(py, |watch| Ok(render(watch)?))?;
         Ok(page)
     }
@@ -137,7 +137,7 @@ impl LogFile {
     fn report(&self, py: Python<'_>, out: PathBuf, force: bool) -> PyResult<()> {
         let out = OutputFormat::PAGE.check(out).map_err(invalid)?;
         let log: &Path = &self.path;
-        read(py, |watch| page::report(&[log], &out, force, watch)).map(drop)
+        read(py, |watch| page::report(&[log], &out, force, None, watch)).map(drop)
     }
 
     /// The plots of the page as JSON: `title`, `unit`, `steps` if values hold until the next one, and `curves` with

@@ -65,6 +65,24 @@ impl LocalRun {
         Ok(())
     }
 
+    /// Ends the processes that have failed by the current tick.
+    pub(super) fn fail(&mut self, failures: &BTreeMap<String, u64>) {
+        let tick = self.tick();
+        let is_there = |name: &str| failures.get(name).is_none_or(|first| tick < *first);
+        self.followers.retain(is_there);
+        for branch in &mut self.branches {
+            branch.changed.retain(is_there);
+        }
+    }
+
+    /// Lets the last branch begin at the current tick.
+    pub(super) fn begin_last(&mut self) {
+        let tick = self.tick();
+        if let Some(last) = self.branches.back_mut() {
+            last.tick = tick;
+        }
+    }
+
     /// Begins the branches of the current tick.
     fn begin_branches(&mut self) -> Result<(), InProcessError> {
         let tick = self.tick();

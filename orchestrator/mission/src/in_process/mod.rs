@@ -72,6 +72,8 @@ pub struct InProcessOptions {
     pub programs: BTreeMap<String, ConfiguredKind>,
     /// `true` if the libraries that the scenario names may be loaded into this program.
     pub libraries: bool,
+    /// Processes that fail, by name, with the first tick without each; the run goes on.
+    pub failures: BTreeMap<String, u64>,
     /// Changes in the course of the run; their ticks ascend.
     pub branches: Vec<Branch>,
     /// Robots that follow a recording.
@@ -117,6 +119,19 @@ pub fn run(
     scenario: &ResolvedScenario,
     options: &InProcessOptions,
 ) -> Result<MissionReport, MissionError> {
+    run_until(scenario, options, &mut |_| Ok(false))
+}
+
+/// Runs a scenario as [`run`]; the last of its branches begins at the first tick for which `begins`, called before every
+/// tick, returns `true`, or at its own.
+///
+/// # Errors
+/// As [`run`]; those of `begins`.
+pub fn run_until(
+    scenario: &ResolvedScenario,
+    options: &InProcessOptions,
+    begins: &mut dyn FnMut(u64) -> Result<bool, MissionError>,
+) -> Result<MissionReport, MissionError> {
     if scenario.run.mode == Mode::RealTime {
         return Err(InProcessError::RealTime.into());
     }
@@ -131,22 +146,22 @@ pub fn run(
     }
     // In a run with processes, a panic ends one of them, and the run reports which. Here it must not end a whole
     // sweep. Only the cache outlives the run, and it contains only complete values.
-    catch_unwind(AssertUnwindSafe(|| execute(scenario, options, &programs))).unwrap_or_else(
-        |panic| {
-            let text = panic
-                .downcast_ref::<String>()
-                .map(String::as_str)
-                .or_else(|| panic.downcast_ref::<&str>().copied());
-            let message = text.unwrap_or("no message").to_owned();
-            Err(InProcessError::Panicked { message }.into())
-        },
-    )
+    let run = AssertUnwindSafe(|| execute(scenario, options, &programs, begins));
+    catch_unwind(run).unwrap_or_else(|panic| {
+        let text = panic
+            .downcast_ref::<String>()
+            .map(String::as_str)
+            .or_else(|| panic.downcast_ref::<&str>().copied());
+        let message = text.unwrap_or("no message").to_owned();
+        Err(InProcessError::Panicked { message }.into())
+    })
 }
 
 fn execute(
     scenario: &ResolvedScenario,
     options: &InProcessOptions,
     programs: &BTreeMap<String, ConfiguredKind>,
+    begins: &mut dyn FnMut(u64) -> Result<bool, MissionError>,
 ) -> Result<MissionReport, MissionError> {
     let start = Instant::now();
     let plan = Plan::new(scenario, Path::new(""), "", "warn")?;
@@ -185,7 +200,15 @@ fn execute(
     let mut show = options.show.then(|| ProgressDisplay::new(scenario, &plan));
     let first_tick = Instant::now();
     processes.follow(&options.tracks, 0);
+    let mut has_begun = false;
     let interrupted = loop {
+        if !options.failures.is_empty() {
+            processes.fail(&options.failures);
+        }
+        if !has_begun && begins(processes.tick())? {
+            processes.begin_last();
+            has_begun = true;
+        }
         let over = processes.turn()?;
         let tick = processes.tick();
         match &mut show {

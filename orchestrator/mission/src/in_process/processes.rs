@@ -55,6 +55,12 @@ impl LocalProcesses {
         Self { processes, early }
     }
 
+    /// Drops the processes whose names `keep` refuses.
+    pub(super) fn retain(&mut self, keep: impl Fn(&str) -> bool) {
+        self.early = self.early().filter(|process| keep(&process.name)).count();
+        self.processes.retain(|process| keep(&process.name));
+    }
+
     /// Connects all processes.
     ///
     /// # Errors

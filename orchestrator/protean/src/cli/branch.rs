@@ -131,7 +131,6 @@ pub(super) fn run(kinds: &[Kind], args: &BranchArgs) -> ExitCode {
                 LogReadError::Argument(format!("{}: cannot be created: {source}", folder.display()))
             })?;
         }
-        parent.verify(watch)?;
         let options = ContinuationOptions {
             jobs: args.jobs.map_or_else(processors, usize::from),
             logs: args.keep_logs.clone(),

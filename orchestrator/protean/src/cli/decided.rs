@@ -9,6 +9,7 @@ use platform::atomic_file::Readers;
 use platform::machine::processors;
 use platform::output_format::OutputFormat;
 use recorder::time_text;
+use report::page::report as write_page;
 use scenario::kind::Kind;
 use tables::TerminalTable;
 
@@ -51,6 +52,9 @@ pub(super) struct DecidedArgs {
     /// Draw the shares of the recorded outcomes into FILE
     #[arg(long, value_name = "FILE", value_parser = out(OutputFormat::SVG))]
     svg: Option<PathBuf>,
+    /// Write the page of the run with these shares to FILE
+    #[arg(long, value_name = "FILE", value_parser = out(OutputFormat::PAGE))]
+    report: Option<PathBuf>,
     #[command(flatten)]
     force: ForceArg,
     #[command(flatten)]
@@ -65,10 +69,13 @@ pub(super) struct DecidedArgs {
 pub(super) fn run(kinds: &[Kind], args: &DecidedArgs) -> ExitCode {
     runtime::logging::start("warn");
     logs::command(args.quiet.quiet, |watch| {
+        // A file that may not be written is refused before the runs.
+        for file in [&args.csv, &args.svg, &args.report].into_iter().flatten() {
+            derived::create(file, &args.log, args.force.force, Readers::All)?;
+        }
         let allow_external = args.external.allow_external;
         let parent = Parent::read(&args.log, kinds, allow_external, watch)?;
         let change = args.change.change(1, true);
-        parent.verify(watch)?;
         let options = DecidedOptions {
             moments: args.moments,
             times: args.times,
@@ -89,10 +96,16 @@ pub(super) fn run(kinds: &[Kind], args: &DecidedArgs) -> ExitCode {
                 Readers::All,
             )?;
         }
+        let mut json = serde_json::json!(report);
         if args.json.json {
-            print_json(&serde_json::json!(report));
+            print_json(&json);
         } else {
             print(&text(&report));
+        }
+        if let (Some(page), Some(facts)) = (&args.report, json.as_object_mut()) {
+            let name = args.log.file_name().unwrap_or_default();
+            facts.insert("log".to_owned(), name.to_string_lossy().into());
+            write_page(&[&args.log], page, args.force.force, Some(json), watch)?;
         }
         Ok(ExitCode::SUCCESS)
     })

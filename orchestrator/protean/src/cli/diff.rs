@@ -165,7 +165,8 @@ fn run_first(
     let log = folder.path().join(format!("{name}.mcap"));
     let watch = ReadProgress::new(Arc::clone(&watch.interrupted), true);
     let in_process = !scenario.uses_external_commands();
-    run_again(scenario, &log, None, in_process, Vec::new(), &watch).map_err(ReplayError::from)?;
+    run_again(scenario, &log, None, in_process, <_>::default(), &watch)
+        .map_err(ReplayError::from)?;
     Ok(log)
 }
 

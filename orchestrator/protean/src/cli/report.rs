@@ -45,7 +45,7 @@ pub fn run(args: &ReportArgs) -> ExitCode {
     logs::command(args.quiet.quiet, |watch| {
         let logs: Vec<&Path> = args.logs.iter().map(PathBuf::as_path).collect();
         let out = args.out.clone().unwrap_or_else(|| page_of(&logs));
-        let reports = report(&logs, &out, args.force.force, watch)?;
+        let reports = report(&logs, &out, args.force.force, None, watch)?;
         let conditions = reports.iter().map(|report| &report.condition);
         let code = logs::of_conditions(logs.iter().copied().zip(conditions));
         match &*reports {

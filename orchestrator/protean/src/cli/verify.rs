@@ -43,6 +43,7 @@ pub fn run(kinds: &[Kind], args: &VerifyArgs) -> ExitCode {
     let options = RerunOptions {
         in_process: args.in_process,
         allow_external: args.external.allow_external,
+        failures: false,
     };
     logs::command(args.quiet.quiet, |watch| {
         let done = rerun(&args.log, kinds, options, watch)?;

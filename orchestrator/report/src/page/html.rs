@@ -10,7 +10,7 @@ const SHARED: [&str; 2] = [
     include_str!("page/difference.js"),
 ];
 /// The scripts of a run, each after those that it uses.
-const VIEWER: [&str; 11] = [
+const VIEWER: [&str; 12] = [
     include_str!("page/data.js"),
     include_str!("page/ground.js"),
     include_str!("page/view.js"),
@@ -20,6 +20,7 @@ const VIEWER: [&str; 11] = [
     include_str!("page/layers.js"),
     include_str!("page/timeline.js"),
     include_str!("page/plots.js"),
+    include_str!("page/decided.js"),
     include_str!("page/tables.js"),
     include_str!("page/player.js"),
 ];

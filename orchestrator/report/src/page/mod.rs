@@ -67,7 +67,8 @@ pub struct Report {
     pub condition: Condition,
 }
 
-/// Writes the page of one log, or of several logs side by side. On an error, no file remains.
+/// Writes the page of one log, or of several logs side by side. On an error, no file remains. `decided` are the shares of
+/// outcomes among continuations of the first log, as `protean decided --json` prints them, with `log`, its name.
 ///
 /// # Errors
 /// [`DerivedError`]: a log cannot be read, is not a Protean log of this version, or the page cannot
@@ -76,6 +77,7 @@ pub fn report(
     logs: &[&Path],
     out: &Path,
     force: bool,
+    decided: Option<Json>,
     watch: &mut ReadProgress,
 ) -> Result<Vec<Report>, DerivedError> {
     // Fails before a log is read if the page may not be written there.
@@ -83,7 +85,7 @@ pub fn report(
     for log in logs {
         file = Some(derived::create(out, log, force, Readers::Owner)?);
     }
-    let (page, mut reports) = render(logs, watch)?;
+    let (page, mut reports) = render(logs, decided, watch)?;
     if let Some(mut file) = file {
         file.write_all(page.as_bytes())
             .and_then(|()| file.commit())
@@ -95,19 +97,23 @@ pub fn report(
     Ok(reports)
 }
 
-/// Returns the page of one log, or of several logs side by side, without a file.
+/// Returns the page of one log, or of several logs side by side, without a file. `decided` as for [`report`].
 ///
 /// # Errors
 /// [`LogReadError`]: a log cannot be read or is not a Protean log of this version.
 pub fn render(
     logs: &[&Path],
+    mut decided: Option<Json>,
     watch: &mut ReadProgress,
 ) -> Result<(String, Vec<Report>), LogReadError> {
     let (mut runs, mut reports) = (Vec::new(), Vec::new());
     for log in logs {
         let mut content = PageContent::read(log, watch)?;
-        let (run, report) = run(&mut content, Compression::best())
+        let (mut run, report) = run(&mut content, Compression::best())
             .map_err(|error| LogReadError::Argument(format!("{}: {error}", log.display())))?;
+        if let (Some(facts), Some(decided)) = (run.facts.as_object_mut(), decided.take()) {
+            facts.insert("decided".to_owned(), decided);
+        }
         runs.push(run);
         reports.push(report);
     }

@@ -32,7 +32,7 @@ fn play(folder: &Path) -> (PathBuf, Summary) {
 /// Writes the page of a log, and returns the facts in it.
 fn facts(log: &Path) -> (Report, Json) {
     let out = log.with_extension("html");
-    let mut reports = report(&[log], &out, true, &mut watch()).unwrap();
+    let mut reports = report(&[log], &out, true, None, &mut watch()).unwrap();
     let report = reports.remove(0);
     let page = std::fs::read_to_string(&out).unwrap();
     assert_eq!(page.len() as u64, report.bytes);
@@ -78,12 +78,18 @@ fn the_page_shows_the_result_of_the_run() {
         assert!(plots.iter().any(|plot| plot["title"] == title), "{title}");
     }
     // Neither another page nor the log is replaced without `force`.
-    let again = super::report(&[&log], &log.with_extension("html"), false, &mut watch());
+    let again = super::report(
+        &[&log],
+        &log.with_extension("html"),
+        false,
+        None,
+        &mut watch(),
+    );
     assert!(
         matches!(again, Err(DerivedError::Exists { .. })),
         "{again:?}"
     );
-    let itself = super::report(&[&log], &log, true, &mut watch());
+    let itself = super::report(&[&log], &log, true, None, &mut watch());
     assert!(
         matches!(itself, Err(DerivedError::IsTheLog { .. })),
         "{itself:?}"
@@ -123,7 +129,7 @@ fn a_truncated_log_is_shown_as_far_as_it_goes() {
     let out = folder.path().join("any.html");
     for part in 0..40 {
         std::fs::write(&cut, &bytes[..bytes.len() * part / 40]).unwrap();
-        match super::report(&[&cut], &out, true, &mut watch()) {
+        match super::report(&[&cut], &out, true, None, &mut watch()) {
             Ok(reports) => assert!(!reports[0].missing.is_empty()),
             Err(DerivedError::Log(LogReadError::NotMcap { .. } | LogReadError::Foreign { .. })) => {
             }
@@ -174,7 +180,7 @@ fn a_page_of_two_logs_has_both_runs() {
     let other = folder.path().join("other.mcap");
     std::fs::copy(&log, &other).unwrap();
     let out = folder.path().join("both.html");
-    let reports = super::report(&[&log, &other], &out, false, &mut watch()).unwrap();
+    let reports = super::report(&[&log, &other], &out, false, None, &mut watch()).unwrap();
     let page = std::fs::read_to_string(&out).unwrap();
     for report in &reports {
         assert_eq!(report.robots, summary.robots);
@@ -185,7 +191,7 @@ fn a_page_of_two_logs_has_both_runs() {
         page.contains("\"same\":true"),
         "the comparison is on the page"
     );
-    let itself = super::report(&[&log, &other], &other, true, &mut watch());
+    let itself = super::report(&[&log, &other], &other, true, None, &mut watch());
     assert!(
         matches!(itself, Err(DerivedError::IsTheLog { .. })),
         "{itself:?}"

@@ -13,7 +13,8 @@ function short(value, span = Math.abs(value)) {
   return Number(text) === 0 ? '0' : text;
 }
 
-for (const { title, unit, steps, curves } of facts.plots) {
+/** Adds a plot with these curves, whose numbers are lists of the page or their own; returns it. */
+function addPlot({ title, unit, steps, curves }) {
   const box = element('section', { className: 'plot' }, element('h3', { textContent: unit ? `${title} [${unit}]` : title }));
   const canvas = element('canvas');
   canvas.setAttribute('aria-label', title);
@@ -21,17 +22,20 @@ for (const { title, unit, steps, curves } of facts.plots) {
   box.append(canvas, legend);
   plotsHost.append(box);
   const plot = { box, title, canvas, unit, steps, picture: null, curves: [] };
-  curves.forEach(({ name, robot, method, list, range }, i) => {
-    const packed = lists[`curve.${list}.value`];
-    const values = new Float64Array(packed.length);
-    const step = (range.max - range.min) / 65534;
-    for (let k = 0; k < values.length; k++) values[k] = packed[k] === 65535 ? NaN : range.min + packed[k] * step;
+  curves.forEach(({ name, robot, method, list, range, time, values }, i) => {
+    if (range) {
+      const packed = lists[`curve.${list}.value`];
+      time = lists[`curve.${list}.time`];
+      values = new Float64Array(packed.length);
+      const step = (range.max - range.min) / 65534;
+      for (let k = 0; k < values.length; k++) values[k] = packed[k] === 65535 ? NaN : range.min + packed[k] * step;
+    }
     const button = element('button', { title: 'Hide or show' });
     const dash = element('span', { className: 'dash' });
     const label = element('span');
     button.append(dash, label);
     // What each run of the page has of it.
-    const ofRun = { time: lists[`curve.${list}.time`], values, colour: () => curveColour({ robot, method, i }) };
+    const ofRun = { time, values, colour: () => curveColour({ robot, method, i }) };
     const curve = { name, on: !before?.hidden.includes(`${title} ${name}`), button, label, dash, runs: [ofRun] };
     button.setAttribute('aria-pressed', String(curve.on));
     button.addEventListener('click', () => {
@@ -51,7 +55,9 @@ for (const { title, unit, steps, curves } of facts.plots) {
     canvas.onpointerup = canvas.onpointercancel = () => { canvas.onpointermove = null; };
   });
   plots.push(plot);
+  return plot;
 }
+facts.plots.forEach(addPlot);
 $('figures-title').hidden = plots.length === 0;
 
 function curveColour(curve) {
@@ -91,7 +97,7 @@ function drawPlotPicture(plot) {
   plot.picture.height = canvas.height;
   const ctx = plot.picture.getContext('2d');
   ctx.setTransform(ratio, 0, 0, ratio, 0, 0);
-  let least = 0, most = 0;
+  let least = 0, most = plot.most ?? 0;
   for (const { runs } of plot.curves.filter(({ on }) => on)) {
     for (const value of runs.flatMap((run) => (run ? [...run.values] : []))) {
       if (value < least) least = value;
@@ -118,6 +124,7 @@ function drawPlotPicture(plot) {
     ctx.fillStyle = colours.evader;
     ctx.fillRect(plotX(canvas, clock.difference) - 0.5, PAD.top, 1, high);
   }
+  plot.under?.(ctx, (t) => plotX(canvas, t), y);
   for (const curve of plot.curves) {
     curve.dash.style.background = (curve.runs[0] ?? curve.runs[1]).colour();
     if (curve.on) curve.runs.forEach((run, second) => { if (run) drawCurve(run, second); });
