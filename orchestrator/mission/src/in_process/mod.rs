@@ -16,7 +16,7 @@ mod processes;
 mod stepped;
 mod tracks;
 
-pub use branches::{Branch, GivenCommand};
+pub use branches::{Branch, GivenCommand, GivenPlace};
 pub use processes::LocalProcesses;
 pub use stepped::SteppedRun;
 pub use tracks::Track;
