@@ -57,8 +57,7 @@ pub fn run(config: &Path) -> ExitCode {
                     BarrierLeader::new(Arc::clone(&setup.barrier), config.index as usize, lag);
                 match config.run.clock {
                     Clock::LockStep => {
-                        let pace = config.run.pace;
-                        simulator.lock_step(&leader, &mut setup, pace)?;
+                        simulator.lock_step(&leader, &mut setup)?;
                     }
                     Clock::RealTime {
                         factor,
