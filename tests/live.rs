@@ -1,5 +1,6 @@
 //! Runs that are watched: real connections to the real program.
 
+mod control;
 mod page;
 mod replay;
 

@@ -162,6 +162,7 @@ _CHECKS: dict[str, Callable[[str, Any], Any]] = {
     "observation": text,
     "out": path,
     "path": path,
+    "place": mapping,
     "planners": mapping,
     "process": text,
     "quantity": text,

@@ -11,6 +11,7 @@ def arguments(
     set: Mapping[str, Any] | None,
     replace: Mapping[str, Any] | None,
     command: Mapping[str, Any] | None,
+    place: Mapping[str, Any] | None,
     duration: float | None,
     reseed: Sequence[str] | None,
     allow_external: bool,
@@ -19,6 +20,7 @@ def arguments(
     given = [f"--set={change}" for change in overrides(set)]
     given += [f"--replace={process}={_kind(process, kind)}" for process, kind in (replace or {}).items()]
     given += [f"--command={robot}={_twist(robot, twist)}" for robot, twist in (command or {}).items()]
+    given += [f"--place={robot}={_place(robot, pose)}" for robot, pose in (place or {}).items()]
     given += [f"--reseed={process}" for process in reseed or ()]
     if duration is not None:
         given.append(f"--for={duration!r}")
@@ -37,6 +39,16 @@ def _twist(robot: str, twist: Any) -> str:
     except (TypeError, ValueError, OverflowError):
         raise refused(f"command: {robot}", twist, "a forward speed (m/s) and a turning rate (rad/s)") from None
     return f"{v!r},{omega!r}"
+
+
+def _place(robot: str, pose: Any) -> str:
+    try:
+        numbers = [float(number) for number in pose]
+    except (TypeError, ValueError, OverflowError):
+        numbers = []
+    if len(numbers) not in (2, 3):
+        raise refused(f"place: {robot}", pose, "x (m), y (m) and perhaps a heading (rad)")
+    return ",".join(map(repr, numbers))
 
 
 def branch(log: str, at: float, seed: int, out: str | None, force: bool, change: list[str]) -> str:

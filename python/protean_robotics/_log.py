@@ -314,6 +314,7 @@ class Log:
         set: Mapping[str, Any] | None = None,
         replace: Mapping[str, Any] | None = None,
         command: Mapping[str, Any] | None = None,
+        place: Mapping[str, Any] | None = None,
         duration: float | None = None,
         reseed: Sequence[str] | None = None,
         seed: int = 1,
@@ -335,6 +336,8 @@ class Log:
             Other kinds, by the name of the process.
         command
             Forward speed (m/s) and turning rate (rad/s) in place of those of the planner, by the name of the robot.
+        place
+            Position (m) and perhaps heading (rad) to which a robot is moved at the moment, by its name.
         duration
             Time for which the commands count (s); to the end if None.
         reseed
@@ -368,7 +371,7 @@ class Log:
         >>> branch.info["sim_time_s"] > run.time
         True
         """
-        change = _branch.arguments(set, replace, command, duration, reseed, allow_external)
+        change = _branch.arguments(set, replace, command, place, duration, reseed, allow_external)
         path = os.fspath(out) if out is not None else None
         return Log(_branch.branch(os.fspath(self.path), at, seed, path, force, change))
 
@@ -382,6 +385,7 @@ class Log:
         set: Mapping[str, Any] | None = None,
         replace: Mapping[str, Any] | None = None,
         command: Mapping[str, Any] | None = None,
+        place: Mapping[str, Any] | None = None,
         duration: float | None = None,
         reseed: Sequence[str] | None = None,
         allow_external: bool = False,
@@ -396,7 +400,7 @@ class Log:
             Number of continuations from each moment.
         share
             Share of the recorded outcome from which on it counts as decided, above 0 and below 1.
-        set, replace, command, duration, reseed, allow_external
+        set, replace, command, place, duration, reseed, allow_external
             The change of all continuations, as in `branch`; other streams of all processes if `reseed` is None.
 
         Returns
@@ -421,7 +425,7 @@ class Log:
         >>> decision["robot"], decision["outcome"], decision["between_s"]
         ('robot', 'escaped', [0.0, 0.0])
         """
-        change = _branch.arguments(set, replace, command, duration, reseed, allow_external)
+        change = _branch.arguments(set, replace, command, place, duration, reseed, allow_external)
         return _branch.decided(os.fspath(self.path), moments, continuations, share, change)
 
     @checked

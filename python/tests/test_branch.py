@@ -38,6 +38,18 @@ def test_a_command_counts_for_its_time(tmp_path: Path) -> None:
     assert np.all(omega[held] == pytest.approx(0.5)) and np.all(state["robots.v"][held] == pytest.approx(0.0))
 
 
+def test_a_robot_goes_on_from_the_place_that_it_is_given(tmp_path: Path) -> None:
+    run = pr.run("hello", seed=1, in_process=True, out=tmp_path / "hello.mcap")
+    state = run.log["world/state"].to_numpy()
+    start = state["stamp.tick"] == 0
+    x, y = float(state["robots.x"][start][0]), float(state["robots.y"][start][0])
+    branch = run.branch(2.0, place={"robot": (x, y, 0.25)}, out=tmp_path / "moved.mcap")
+    state = branch["world/state"].to_numpy()
+    moved = state["stamp.time_ns"] == 2_000_000_000
+    found = [state[f"robots.{name}"][moved][0] for name in ("x", "y", "theta")]
+    assert found == pytest.approx([x, y, 0.25])
+
+
 def test_outcomes_are_decided_at_a_moment_or_not_before_the_end(chase: pr.Run) -> None:
     report = chase.decided(moments=3, continuations=4, share=0.5)
     assert [moment["continuations"] >= 4 for moment in report["moments"]] == [True] * len(report["moments"])
@@ -53,6 +65,11 @@ def test_what_cannot_be_branched_is_refused(chase: pr.Run, tmp_path: Path) -> No
         chase.branch(1000.0)
     with pytest.raises(pr.InvalidInput, match="expected a forward speed"):
         chase.branch(1.0, command={"police_1": 3.0})
+    with pytest.raises(pr.InvalidInput, match=r"expected x \(m\), y \(m\) and perhaps a heading"):
+        chase.branch(1.0, place={"police_1": (3.0,)})
+    with pytest.raises(pr.InvalidInput, match="outside the map"):
+        chase.branch(1.0, place={"police_1": (1e3, 0.0)}, out=tmp_path / "outside.mcap")
+    assert not (tmp_path / "outside.mcap").exists()
     with pytest.raises(pr.InvalidInput, match="expected the name of a kind"):
         chase.branch(1.0, replace={"pursuer_police_1": 3})
     without = pr.run("hello", seed=1, in_process=True)

@@ -13,11 +13,16 @@ use crate::support::browser::browse;
 use crate::support::history::History;
 
 /// A connection that has asked for a path with these header lines.
-fn ask(address: &str, path: &str, lines: &str) -> TcpStream {
+pub fn ask(address: &str, path: &str, lines: &str) -> TcpStream {
+    request(address, "GET", path, lines, "")
+}
+
+/// A connection that has sent a request with these header lines and this body.
+pub fn request(address: &str, method: &str, path: &str, lines: &str, body: &str) -> TcpStream {
     let mut stream = TcpStream::connect(address).unwrap();
     stream.set_read_timeout(Some(LIMIT)).unwrap();
     // In two parts, as a slow network delivers it.
-    let request = format!("GET {path} HTTP/1.1\r\nHost: {address}\r\n{lines}\r\n");
+    let request = format!("{method} {path} HTTP/1.1\r\nHost: {address}\r\n{lines}\r\n{body}");
     let (first, second) = request.split_at(7);
     stream.write_all(first.as_bytes()).unwrap();
     stream.write_all(second.as_bytes()).unwrap();
@@ -25,7 +30,7 @@ fn ask(address: &str, path: &str, lines: &str) -> TcpStream {
 }
 
 /// The status and the rest of an answer.
-fn answer(mut stream: TcpStream) -> (String, String) {
+pub fn answer(mut stream: TcpStream) -> (String, String) {
     let mut text = String::new();
     stream.read_to_string(&mut text).unwrap();
     let (head, body) = text.split_once("\r\n\r\n").unwrap();
@@ -41,7 +46,7 @@ fn states(stream: TcpStream) -> Vec<Json> {
         .collect()
 }
 
-fn token<'a>(run: &'a Watched<'_>) -> &'a str {
+pub fn token<'a>(run: &'a Watched<'_>) -> &'a str {
     run.url.rsplit('/').next().unwrap()
 }
 

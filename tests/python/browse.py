@@ -5,7 +5,7 @@ usage: browse.py CHROMIUM PAGE < JSON list of steps
 A step is {"eval": JavaScript} (a JavaScript Promise is awaited), {"until": JavaScript} (tried until it gives
 something true), {"key": name}, {"shot": file.png}, {"colours": JavaScript} (what the function makes of the
 red, green, blue and alpha bytes of a screenshot), {"until_colours": JavaScript, "least": {key: n}} (until
-these numbers of it are that large), {"screen": [width, height]} (px) or {"dark": true}. PAGE is a file or an address. Prints {"answers": [...], "errors": [...], "requests": [...]}: what the scripts gave,
+these numbers of it are that large), {"drag": JavaScript} (the pointer pressed from a point to another: four numbers, px), {"screen": [width, height]} (px) or {"dark": true}. PAGE is a file or an address. Prints {"answers": [...], "errors": [...], "requests": [...]}: what the scripts gave,
 the errors of the console, and every address that was asked for.
 """
 
@@ -168,6 +168,10 @@ def take(browser, step):
         browser.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=True)
         # Laid out and drawn for it.
         browser.evaluate("new Promise((done) => setTimeout(() => requestAnimationFrame(done), 200))")
+    elif "drag" in step:
+        x, y, to_x, to_y = browser.evaluate(step["drag"])
+        for kind, px, py in (("mousePressed", x, y), ("mouseMoved", to_x, to_y), ("mouseReleased", to_x, to_y)):
+            browser.call("Input.dispatchMouseEvent", type=kind, x=px, y=py, button="left", buttons=1, clickCount=1)
     elif "key" in step:
         browser.key(step["key"])
     elif "colours" in step:

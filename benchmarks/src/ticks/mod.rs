@@ -285,7 +285,6 @@ impl Drop for RuntimeExchange {
 
 fn run_config(root: &Path, prefix: &str) -> RunConfig {
     RunConfig {
-        pace: None,
         root: root.to_owned(),
         prefix: prefix.to_owned(),
         seed: 1,

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use mcap_log::LogReadError;
-use mission::MissionError;
+use mission::{InProcessError, MissionError};
 use replay::ReplayError;
 
 /// Error of a branch.
@@ -33,6 +33,19 @@ pub enum BranchError {
     /// The system makes no copy of this process.
     #[error("continuations run in copies of this process: {0}")]
     Copy(std::io::Error),
+}
+
+impl BranchError {
+    /// Returns `true` if a robot cannot be at the place that the change gives it.
+    pub(crate) fn is_misplaced(&self) -> bool {
+        let Self::Replay(ReplayError::Mission(error)) = self else {
+            return false;
+        };
+        matches!(
+            **error,
+            MissionError::InProcess(InProcessError::Place { .. })
+        )
+    }
 }
 
 impl From<LogReadError> for BranchError {

@@ -221,7 +221,13 @@ impl Parent {
             interrupted: Arc::clone(&watch.interrupted),
             ..InProcessOptions::default()
         };
-        let report = self.run(tick, change, Some(&out), options, &mut |_| Ok(false))?;
+        let report = self.run(tick, change, Some(&out), options, &mut |_| Ok(false));
+        let report = report.inspect_err(|error| {
+            if error.is_misplaced() {
+                // It has the history up to the refusal.
+                let _ = std::fs::remove_file(&out);
+            }
+        })?;
         let tick_ns = (self.scenario.run.dt * 1e9).round() as u64;
         let comparison =
             diff_before(&self.log, &out, tick.saturating_mul(tick_ns), watch)?.comparison;

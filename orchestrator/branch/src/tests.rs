@@ -66,6 +66,10 @@ fn a_branch_is_its_parent_before_the_moment_and_can_be_repeated_and_branched() {
             seed: 3,
             ..Change::default()
         },
+        Change {
+            place: strings(&["police_1=1.5,1.5,0.5", "police_2=-4.5,-1.5"]),
+            ..Change::default()
+        },
     ];
     for change in &changes {
         let done = branch(&parent, 3.0, change, &out);
@@ -91,6 +95,18 @@ fn a_branch_is_its_parent_before_the_moment_and_can_be_repeated_and_branched() {
             "{change:?}"
         );
     }
+}
+
+/// Asserts that a change is refused with a word, and leaves no log.
+#[track_caller]
+fn refused(parent: &Parent, change: &Change, folder: &Path, word: &str) {
+    let out = folder.join("refused.mcap");
+    let mut watch = ReadProgress::default();
+    let error = parent
+        .branch(10, change, Some(&out), false, &mut watch)
+        .unwrap_err();
+    assert!(error.to_string().contains(word), "{error}");
+    assert!(!out.exists(), "{change:?}");
 }
 
 #[test]
@@ -156,11 +172,19 @@ fn moments_and_changes_that_no_run_can_take_are_refused_with_their_values() {
         (change(&[], &[], &["unknown=0,0"], &[]), "police_1"),
         (change(&[], &[], &[], &["unknown"]), "expected all"),
     ] {
-        let out = folder.path().join("refused.mcap");
-        let mut watch = ReadProgress::default();
-        let error = parent
-            .branch(10, &change, Some(&out), false, &mut watch)
-            .unwrap_err();
-        assert!(error.to_string().contains(word), "{error}");
+        refused(&parent, &change, folder.path(), word);
+    }
+    for (place, word) in [
+        ("police_1=0,0", "is in a wall"),
+        ("police_1=20,0", "is outside the map"),
+        ("police_1=1", "expected ROBOT=X,Y[,HEADING] (m, rad)"),
+        ("police_1=1,2,NaN", "expected ROBOT=X,Y"),
+        ("unknown=1.5,1.5", "with ROBOT one of police_1"),
+    ] {
+        let change = Change {
+            place: strings(&[place]),
+            ..Change::default()
+        };
+        refused(&parent, &change, folder.path(), word);
     }
 }

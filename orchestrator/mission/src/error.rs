@@ -7,6 +7,7 @@ use library_planner::LibraryError;
 use mcap_log::LogWriteError;
 use runtime::ProcessError;
 use runtime::lockstep::BarrierError;
+use sim_backend::world::WorldError;
 use viewer::LiveError;
 
 use super::child_process::ChildError;
@@ -165,6 +166,14 @@ pub enum InProcessError {
     Answers {
         /// Name of the process.
         name: String,
+    },
+    /// A robot cannot be at the place that a branch gives it.
+    #[error("--place: at tick {tick}: {source}")]
+    Place {
+        /// Tick of the branch.
+        tick: u64,
+        /// Robot, place and what is there.
+        source: Box<WorldError>,
     },
     /// A process failed.
     #[error("process {name} failed {when}: {source}")]

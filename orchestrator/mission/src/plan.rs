@@ -63,13 +63,6 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Limits the speed of the world in lock-step (simulated s/s).
-    pub fn limit_pace(&mut self, pace: f64) {
-        if let Some(simulator) = self.launches.first_mut() {
-            simulator.config.run.pace = Some(pace);
-        }
-    }
-
     /// Plans a run of the scenario in a directory.
     ///
     /// # Errors
@@ -235,7 +228,6 @@ fn run_config(scenario: &ResolvedScenario, map: &WorldMap) -> Result<RunConfig, 
         seed: scenario.run.seed,
         tick_period_ns: (scenario.run.dt * 1e9).round() as u64,
         clock,
-        pace: None,
         processor: (scenario.run.pin == spec::Pin::OneCore).then(first_processor),
         processes: scenario.processes.len() as u32 + 1,
         events: scenario.events.len() as u32,

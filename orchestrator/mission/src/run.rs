@@ -11,7 +11,8 @@ use ipc_types::messages::process::RunControl;
 use ipc_types::stamp::PlainHeader;
 use ipc_types::topics::{Control, ObstacleEvents};
 use runtime::config::Clock;
-use viewer::{LiveOptions, LiveServer};
+use runtime::lockstep::BarrierMonitor;
+use viewer::{LiveOptions, LiveServer, Wish};
 
 use super::error::MissionError;
 use super::process_log::{ProcessEventLog, remark_lines};
@@ -78,10 +79,9 @@ pub fn run(
         options.log_level.as_str()
     };
     let live = options.live.map(LiveServer::start).transpose()?;
-    let mut resources = RunResources::create(scenario, log_level, |bus| bus)?;
-    if let Some(pace) = options.pace {
-        resources.plan.limit_pace(pace);
-    }
+    let resources = RunResources::create(scenario, log_level, |bus| bus)?;
+    let monitor = BarrierMonitor::new(Arc::clone(&resources.barrier));
+    monitor.pace(options.pace.unwrap_or(f64::INFINITY), false, 0);
     let mirror = live.as_ref().map(|live| Box::new(live.tap()) as _);
     // A map in shared memory never has digest prefixes of another run.
     let log = (!options.without_log).then_some(LogFile {
@@ -99,7 +99,7 @@ pub fn run(
     let printer = progress.events(names, team_colours(scenario), options.quiet);
 
     let requests = Arc::<DrainRequests>::default();
-    let hang_timeout = hang_timeout(scenario, options.pace);
+    let hang_timeout = Duration::from_secs_f64(scenario.run.hang_timeout_s);
     let launches = &resources.plan.launches;
     let event_log = ProcessEventLog::open(&resources, Arc::clone(&requests))?;
     for line in remark_lines(&resources.plan, &options.remarks) {
@@ -114,6 +114,9 @@ pub fn run(
         interrupted: &options.interrupted,
         last_tick: options.last_tick,
         recorder: &recorder,
+        live: live.as_ref(),
+        monitor,
+        wish: None,
         progress,
         start,
         first_tick: None,
@@ -129,7 +132,6 @@ pub fn run(
     // Dropped only after the recorder has received its last messages.
     drop(supervisor);
     drop(resources);
-    let live = live.map(LiveServer::finish);
     // A failure of the recorder is the cause of other failures, not their consequence.
     let mut summary = recorded?;
     if first_tick.is_none() && !options.without_log {
@@ -137,20 +139,16 @@ pub fn run(
         let _ = std::fs::remove_file(&summary.log);
         summary.log = PathBuf::new();
     }
+    let interrupted = ended? == EndCause::Interrupted;
+    let live = live.map(|live| live.finish(&options.interrupted));
     Ok(MissionReport {
         summary,
         wall_time_s,
         start_up_s,
-        interrupted: ended? == EndCause::Interrupted,
+        interrupted,
         has_failures,
         live,
     })
-}
-
-/// Returns the time without progress after which a process counts as hung; it includes the wait for a due tick.
-fn hang_timeout(scenario: &ResolvedScenario, pace: Option<f64>) -> Duration {
-    let ticks_s = pace.map_or(0.0, |pace| 2.0 * scenario.run.dt / pace);
-    Duration::from_secs_f64(scenario.run.hang_timeout_s + ticks_s)
 }
 
 /// Cause of the end of a run without failures.
@@ -168,6 +166,10 @@ struct ActiveRun<'a> {
     interrupted: &'a AtomicBool,
     last_tick: Option<u64>,
     recorder: &'a RecorderThread,
+    live: Option<&'a LiveServer>,
+    monitor: BarrierMonitor,
+    /// The last wish of pages.
+    wish: Option<Wish>,
     progress: Progress,
     start: Instant,
     first_tick: Option<Instant>,
@@ -213,6 +215,14 @@ impl ActiveRun<'_> {
     fn supervise(&mut self, supervisor: &mut Supervisor<'_>) -> Result<EndCause, MissionError> {
         let barrier = &self.resources.barrier;
         loop {
+            let wish = self
+                .live
+                .and_then(LiveServer::control)
+                .map(viewer::Control::wish);
+            if let Some(wish) = wish.filter(|_| wish != self.wish) {
+                self.monitor.pace(wish.pace, wish.is_paused, wish.steps);
+                self.wish = Some(wish);
+            }
             let ticks = barrier.ticks_posted();
             let over = barrier.is_over();
             let tick_period = self.resources.plan.run.tick_period();

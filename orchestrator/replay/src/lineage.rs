@@ -7,7 +7,7 @@ use config::{Node, Origin as TextOrigin};
 use geometry::pose::Twist2;
 use mcap_log::{LogReadError, Origin};
 use mission::MissionError;
-use mission::in_process::{Branch, GivenCommand};
+use mission::in_process::{Branch, GivenCommand, GivenPlace};
 use mission::plan::Plan;
 use rand::Rng as _;
 use runtime::declaration::Flow;
@@ -38,6 +38,9 @@ pub struct Change {
     /// Time for which the commands count (s), > 0; `None`: to the end.
     #[serde(rename = "for", skip_serializing_if = "Option::is_none")]
     pub for_s: Option<f64>,
+    /// Poses to which robots are moved: `ROBOT=X,Y[,HEADING]` (m, rad); their velocities stay.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub place: Vec<String>,
     /// Names of the processes with other random streams, or [`ALL`].
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub reseed: Vec<String>,
@@ -101,19 +104,25 @@ pub fn branches(
     for point in points {
         let change = &point.change;
         now = changed(now, change, kinds)?;
+        let refused = |option: &str, expected: &str| {
+            let robots: Vec<_> = now.world.robots.iter().map(|robot| &*robot.name).collect();
+            let robots = robots.join(", ");
+            argument(format!(
+                "{option}: expected {expected} with ROBOT one of {robots}"
+            ))
+        };
         let commands = change.command.iter().map(|text| {
-            let refused = || {
-                let robots: Vec<_> = now.world.robots.iter().map(|robot| &*robot.name).collect();
-                let robots = robots.join(", ");
-                argument(format!(
-                    "--command {text}: expected ROBOT=V,OMEGA (m/s, rad/s) with ROBOT one of {robots}"
-                ))
-            };
-            given_command(text, change.for_s, &now).ok_or_else(refused)
+            given_command(text, change.for_s, &now)
+                .ok_or_else(|| refused(&format!("--command {text}"), "ROBOT=V,OMEGA (m/s, rad/s)"))
+        });
+        let places = change.place.iter().map(|text| {
+            given_place(text, &now)
+                .ok_or_else(|| refused(&format!("--place {text}"), "ROBOT=X,Y[,HEADING] (m, rad)"))
         });
         branches.push(Branch {
             tick: point.tick,
             commands: commands.collect::<Result<_, _>>()?,
+            places: places.collect::<Result<_, _>>()?,
             seeds: seeds(change, &now)?,
             scenario: now.clone(),
         });
@@ -136,6 +145,26 @@ fn given_command(text: &str, for_s: Option<f64>, now: &ResolvedScenario) -> Opti
         twist,
         ticks,
     })
+}
+
+fn given_place(text: &str, now: &ResolvedScenario) -> Option<GivenPlace> {
+    let (robot, place) = text.split_once('=')?;
+    let numbers = place.split(',').map(|number| number.trim().parse());
+    let numbers: Vec<f64> = numbers.collect::<Result<_, _>>().ok()?;
+    let (position, heading) = match numbers[..] {
+        [x, y] => ([x, y], None),
+        [x, y, heading] => ([x, y], Some(heading)),
+        _ => return None,
+    };
+    let robot = now.world.robots.iter().position(|own| own.name == robot)?;
+    numbers
+        .iter()
+        .all(|number| number.is_finite())
+        .then_some(GivenPlace {
+            robot,
+            position,
+            heading,
+        })
 }
 
 /// Returns the seeds of the processes with other random streams. A process whose links lose messages keeps its own, from

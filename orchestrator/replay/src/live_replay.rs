@@ -1,10 +1,11 @@
 //! Live server of a replay, which viewers see as a run.
 
 use std::collections::BTreeMap;
+use std::sync::atomic::AtomicBool;
 
 use mcap_log::source::{LogMessage, Source};
 use mcap_log::{ChannelSpec, LogObserver as _};
-use viewer::{BroadcastHandle, LiveError, LiveOptions, LiveServer, LiveTotals};
+use viewer::{BroadcastHandle, Control, LiveError, LiveOptions, LiveServer, LiveTotals};
 
 /// Server of the replayed messages: the topics of the log with their schemas, byte for byte.
 pub(super) struct LiveReplay {
@@ -47,6 +48,11 @@ impl LiveReplay {
         }
     }
 
+    /// Returns what pages ask for, if they may.
+    pub(super) fn control(&self) -> Option<&Control> {
+        self.server.control()
+    }
+
     /// Continues the replay at another time (ns); latched messages become invalid.
     pub(super) fn jump(&mut self, time: u64) {
         self.tap.jump(time);
@@ -62,8 +68,8 @@ impl LiveReplay {
         }
     }
 
-    /// Sends the remaining messages, closes all connections, and returns the totals.
-    pub(super) fn finish(self) -> LiveTotals {
-        self.server.finish()
+    /// Sends the remaining messages, closes all connections once pages need them no more, and returns the totals.
+    pub(super) fn finish(self, interrupted: &AtomicBool) -> LiveTotals {
+        self.server.finish(interrupted)
     }
 }

@@ -77,9 +77,11 @@ pub fn replay(
     // Sleeps then end on time, not up to 50 µs later.
     let _ = rustix::thread::set_current_timer_slack(std::num::NonZeroU64::new(1));
     let mut player = Player::open(&mut source, &scenario, options, watch)?;
-    let replay_report = player.play(from, start, watch);
-    let mut report = player.end();
-    replay_report?;
+    let played = player.play(from, start, watch);
+    let (mut report, live) = player.end();
+    // After a failure no page stays.
+    played?;
+    report.live = live.map(|live| live.finish(&watch.interrupted));
     report.scenario.clone_from(&scenario.name);
     report.faults = source.faults();
     Ok(report)
@@ -93,6 +95,10 @@ struct Player<'a> {
     monitor: BarrierMonitor,
     leader: BarrierLeader,
     live_replay: Option<LiveReplay>,
+    /// Current speed relative to the recording; infinite for as fast as possible.
+    rate: f64,
+    /// Single steps taken, while pages hold the replay.
+    steps: u32,
     /// A log time, and the time at which it is or was due.
     anchor: (u64, Instant),
     /// Current tick and log time.
@@ -155,6 +161,8 @@ impl<'a> Player<'a> {
             leader: BarrierLeader::new(Arc::clone(&resources.barrier), 0, 1 << 20),
             monitor,
             live_replay,
+            rate: options.rate,
+            steps: 0,
             anchor: (0, Instant::now()),
             now: (0, 0),
             last_poll: Instant::now(),
@@ -231,10 +239,6 @@ impl<'a> Player<'a> {
     /// Waits until the messages of a time are due, and connects and removes subscribers meanwhile. Returns `false` if
     /// interrupted.
     fn wait(&mut self, time: u64, watch: &ReadProgress) -> Result<bool, ReplayError> {
-        let after = time.saturating_sub(self.anchor.0) as f64 * 1e-9 / self.options.rate;
-        // A log may contain times beyond the range of the clock.
-        let after = Duration::try_from_secs_f64(after.min(1e9)).unwrap_or_default();
-        let due = self.anchor.1 + after;
         loop {
             if watch.interrupted.load(Ordering::Relaxed) {
                 return Ok(false);
@@ -244,12 +248,39 @@ impl<'a> Player<'a> {
                 self.last_poll = now;
                 self.update_subscribers()?;
             }
-            let left = due.saturating_duration_since(now);
+            let left = self.time_left(time, now)?;
             if left.is_zero() {
                 return Ok(true);
             }
             std::thread::sleep(left.min(POLL_INTERVAL));
         }
+    }
+
+    /// Returns the time until the messages of a time are due, by the pace that pages have set; while they hold the replay, it
+    /// goes on by their steps only.
+    fn time_left(&mut self, time: u64, now: Instant) -> Result<Duration, ReplayError> {
+        let control = self.live_replay.as_ref().and_then(LiveReplay::control);
+        if let Some(wish) = control.map(viewer::Control::wish) {
+            if wish.is_paused || wish.pace != self.rate {
+                self.anchor = (if wish.is_paused { time } else { self.now.1 }, now);
+            }
+            if wish.pace != self.rate {
+                self.rate = wish.pace;
+                self.publish_control(RunControl::START)?;
+            }
+            if wish.is_paused && self.steps == wish.steps {
+                return Ok(POLL_INTERVAL);
+            }
+            self.steps = if wish.is_paused {
+                self.steps + 1
+            } else {
+                wish.steps
+            };
+        }
+        let after = time.saturating_sub(self.anchor.0) as f64 * 1e-9 / self.rate;
+        // A log may contain times beyond the range of the clock.
+        let after = Duration::try_from_secs_f64(after.min(1e9)).unwrap_or_default();
+        Ok((self.anchor.1 + after).saturating_duration_since(now))
     }
 
     /// Connects late joiners, which receive latched messages, and removes dead subscribers: a sender with a full buffer
@@ -266,7 +297,7 @@ impl<'a> Player<'a> {
     fn publish_control(&mut self, command: u32) -> Result<(), ReplayError> {
         let mut header = PlainHeader::default();
         (header.stamp.tick, header.stamp.time_ns) = self.now;
-        let rate = self.options.rate;
+        let rate = self.rate;
         let order = RunControl {
             rate: if rate.is_infinite() { 0.0 } else { rate },
             command,
@@ -316,11 +347,10 @@ impl<'a> Player<'a> {
         }
     }
 
-    /// Ends the run and returns the report.
-    fn end(mut self) -> ReplayReport {
+    /// Ends the run and returns the report, and the server, which may outlive it.
+    fn end(mut self) -> (ReplayReport, Option<LiveReplay>) {
         self.linger(LINGER);
         self.monitor.set_phase(Phase::Stop);
-        self.report.live = self.live_replay.take().map(LiveReplay::finish);
         let counts = NAMES
             .iter()
             .zip(&self.by_rank)
@@ -329,7 +359,7 @@ impl<'a> Player<'a> {
             .map(|(name, count)| ((*name).to_owned(), *count))
             .collect();
         self.report.simulated_messages = self.report.message_counts().simulated;
-        self.report
+        (self.report, self.live_replay)
     }
 }
 

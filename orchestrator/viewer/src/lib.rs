@@ -10,5 +10,7 @@ mod topics;
 #[cfg(test)]
 mod tests;
 
-pub use live::{BroadcastHandle, Broadcaster, LiveError, LiveOptions, LiveServer, LiveTotals};
+pub use live::{
+    BroadcastHandle, Broadcaster, Control, LiveError, LiveOptions, LiveServer, LiveTotals, Wish,
+};
 pub use topics::{ViewerOptions, viewer_topics};

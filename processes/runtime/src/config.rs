@@ -67,8 +67,6 @@ pub struct RunConfig {
     pub tick_period_ns: u64,
     /// Clock mode.
     pub clock: Clock,
-    /// Pace in lock-step (simulated s per s); `None`: as fast as possible.
-    pub pace: Option<f64>,
     /// Processor to pin to; `None`: chosen by the system.
     pub processor: Option<u32>,
     /// Number of processes of the run.

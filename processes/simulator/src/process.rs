@@ -25,7 +25,7 @@ use runtime::maps::{MapState, Maps};
 use runtime::paced;
 use runtime::{Clock, ProcessConfig, ProcessError, Setup, shapes};
 use sim_backend::robot::Robot;
-use sim_backend::world::World;
+use sim_backend::world::{World, WorldError};
 
 use crate::commands::CommandBoard;
 use crate::event_schedule::EventSchedule;
@@ -57,8 +57,7 @@ pub fn run(config: &Path) -> ExitCode {
                     BarrierLeader::new(Arc::clone(&setup.barrier), config.index as usize, lag);
                 match config.run.clock {
                     Clock::LockStep => {
-                        let pace = config.run.pace;
-                        simulator.lock_step(&leader, &mut setup, pace)?;
+                        simulator.lock_step(&leader, &mut setup)?;
                     }
                     Clock::RealTime {
                         factor,
@@ -287,6 +286,14 @@ impl Simulator {
         self.board.hold(&params.holds);
         let continued = self.world.continue_by(&params.world);
         continued.map_err(|error| ProcessError::Algorithm(error.to_string()))
+    }
+
+    /// Moves robots to other poses, from the state on that is published next ([`World::shift`]).
+    ///
+    /// # Errors
+    /// [`WorldError`]: a robot cannot be there.
+    pub fn shift(&mut self, places: &[(usize, Pose2)]) -> Result<(), WorldError> {
+        self.world.shift(places)
     }
 
     /// Gives a robot a command in place of its driver's, from the current tick on, for a number of ticks.

@@ -38,9 +38,9 @@ pub enum WorldError {
         /// Index of the second robot with this name.
         second: usize,
     },
-    /// A robot starts beyond the edge of the map.
+    /// A robot is beyond the edge of the map.
     #[error(
-        "robots[{index}] \"{name}\" starts at ({x}, {y}), outside the map: expected x in \
+        "robots[{index}] \"{name}\" is outside the map: at ({x}, {y}): expected x in \
          [{}, {}] and y in [{}, {}] [m]", min[0], max[0], min[1], max[1]
     )]
     OutsideMap {
@@ -48,18 +48,18 @@ pub enum WorldError {
         index: usize,
         /// Its name.
         name: String,
-        /// Start, x (m).
+        /// Place, x (m).
         x: f64,
-        /// Start, y (m).
+        /// Place, y (m).
         y: f64,
         /// Smallest coordinates of the map (m).
         min: [f64; 2],
         /// Largest coordinates of the map (m).
         max: [f64; 2],
     },
-    /// A robot starts in an obstacle or too near to one.
+    /// A robot is in an obstacle or too near to one.
     #[error(
-        "robots[{index}] \"{name}\" starts in a wall: at ({x}, {y}) the nearest obstacle is \
+        "robots[{index}] \"{name}\" is in a wall: at ({x}, {y}) the nearest obstacle is \
          {clearance:.4} m away: expected at least its radius of {radius} m"
     )]
     InWall {
@@ -67,19 +67,27 @@ pub enum WorldError {
         index: usize,
         /// Its name.
         name: String,
-        /// Start, x (m).
+        /// Place, x (m).
         x: f64,
-        /// Start, y (m).
+        /// Place, y (m).
         y: f64,
         /// Distance from its centre to the nearest obstacle (m).
         clearance: f64,
         /// Required clearance (m).
         radius: f64,
     },
-    /// Two robots overlap at the start.
+    /// A robot that is to be moved has left the game.
+    #[error("robots[{index}] \"{name}\" has left the game: expected a robot in the game")]
+    LeftTheGame {
+        /// Index of the robot.
+        index: usize,
+        /// Its name.
+        name: String,
+    },
+    /// Two robots overlap.
     #[error(
-        "robots[{first}] \"{first_name}\" and robots[{second}] \"{second_name}\" overlap at the \
-         start: their centres are {distance:.4} m apart: expected at least {needed:.4} m"
+        "robots[{first}] \"{first_name}\" and robots[{second}] \"{second_name}\" overlap: \
+         their centres are {distance:.4} m apart: expected at least {needed:.4} m"
     )]
     Overlap {
         /// Index of the first.

@@ -244,6 +244,36 @@ impl World {
         self.pending.drain(..)
     }
 
+    /// Moves robots of the game to poses at once; their velocities stay, and no way is driven. Sensors and rules of the next
+    /// step see them there. An unknown index is ignored.
+    ///
+    /// # Errors
+    /// [`WorldError`]: one is outside the map, in an obstacle or in another robot there, or has left the game. The world stays
+    /// as it was.
+    pub fn shift(&mut self, places: &[(usize, Pose2)]) -> Result<(), WorldError> {
+        let mut robots = self.robots.clone();
+        for &(index, pose) in places {
+            if let Some(robot) = robots.get_mut(index) {
+                robot.pose = pose;
+            }
+        }
+        for &(index, _) in places {
+            let Some(robot) = robots.get(index) else {
+                continue;
+            };
+            if !robot.is_active() {
+                let name = robot.name.clone();
+                return Err(WorldError::LeftTheGame { index, name });
+            }
+            start::check_place(&self.map, &robots, index, |other| {
+                other != index && has_body(&robots[other], &self.rules)
+            })?;
+        }
+        self.robots = robots;
+        self.motion.forget();
+        Ok(())
+    }
+
     /// Puts a robot outside of the simulation where it was measured, with its velocity. From then on it moves by such calls
     /// alone, not by its commands; sensors and rules of the next step see it there. An unknown index is ignored.
     pub fn place(&mut self, robot: usize, pose: Pose2, twist: Twist2) {

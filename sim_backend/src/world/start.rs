@@ -42,48 +42,60 @@ pub fn check_specs(robots: &[RobotSpec], rules: &RulesSpec) -> Result<(), WorldE
     Ok(())
 }
 
+/// Checks that a robot is in free space, and apart from the others that have a body.
+pub fn check_place(
+    map: &WorldMap,
+    robots: &[Robot],
+    index: usize,
+    is_other: impl Fn(usize) -> bool,
+) -> Result<(), WorldError> {
+    let robot = &robots[index];
+    let (x, y, radius) = (robot.pose.x, robot.pose.y, robot.radius());
+    let name = || robot.name.clone();
+    let bounds = map.bounds();
+    if !bounds.contains(robot.pose.position()) {
+        let (min, max) = ([bounds.min.x, bounds.min.y], [bounds.max.x, bounds.max.y]);
+        return Err(WorldError::OutsideMap {
+            index,
+            name: name(),
+            x,
+            y,
+            min,
+            max,
+        });
+    }
+    let clearance = map.distance(robot.pose.position());
+    if clearance < radius {
+        return Err(WorldError::InWall {
+            index,
+            name: name(),
+            x,
+            y,
+            clearance,
+            radius,
+        });
+    }
+    for (first, other) in robots.iter().enumerate().filter(|(i, _)| is_other(*i)) {
+        let distance = (other.pose.position() - robot.pose.position()).norm();
+        let needed = other.radius() + radius;
+        if distance < needed {
+            return Err(WorldError::Overlap {
+                first,
+                first_name: other.name.clone(),
+                second: index,
+                second_name: name(),
+                distance,
+                needed,
+            });
+        }
+    }
+    Ok(())
+}
+
 /// Checks that every robot is in free space and can reach its goal.
 pub fn check_places(map: &WorldMap, robots: &[Robot], exits: &[Region]) -> Result<(), WorldError> {
-    for (index, robot) in robots.iter().enumerate() {
-        let (x, y, radius) = (robot.pose.x, robot.pose.y, robot.radius());
-        let name = || robot.name.clone();
-        let bounds = map.bounds();
-        if !bounds.contains(robot.pose.position()) {
-            let (min, max) = ([bounds.min.x, bounds.min.y], [bounds.max.x, bounds.max.y]);
-            return Err(WorldError::OutsideMap {
-                index,
-                name: name(),
-                x,
-                y,
-                min,
-                max,
-            });
-        }
-        let clearance = map.distance(robot.pose.position());
-        if clearance < radius {
-            return Err(WorldError::InWall {
-                index,
-                name: name(),
-                x,
-                y,
-                clearance,
-                radius,
-            });
-        }
-        for (first, other) in robots[..index].iter().enumerate() {
-            let distance = (other.pose.position() - robot.pose.position()).norm();
-            let needed = other.radius() + radius;
-            if distance < needed {
-                return Err(WorldError::Overlap {
-                    first,
-                    first_name: other.name.clone(),
-                    second: index,
-                    second_name: name(),
-                    distance,
-                    needed,
-                });
-            }
-        }
+    for index in 0..robots.len() {
+        check_place(map, robots, index, |other| other < index)?;
     }
     for (index, robot) in robots.iter().enumerate() {
         let (x, y, radius) = (robot.pose.x, robot.pose.y, robot.radius());

@@ -309,6 +309,20 @@ fn a_tick_of_many_slow_steps_is_no_hang() {
 }
 
 #[test]
+fn a_world_that_waits_for_its_next_tick_is_no_hang() {
+    let mut state = state(true, OnFailure::Abort);
+    let start = Instant::now();
+    let mut events = |time: u32, waits| {
+        let now = start + TIMEOUT * time;
+        state.timed_events(now, 8, &seen([waits, 8, 8, 8]), |_| Activity::default())
+    };
+    for time in 0..5 {
+        assert_eq!(events(time, u64::from(time)), []);
+    }
+    assert_eq!(events(6, 4), [(0, Event::Silent)], "it waits no more");
+}
+
+#[test]
 fn in_real_time_each_process_without_progress_is_reported() {
     let mut state = state(false, OnFailure::Restart);
     let start = Instant::now();

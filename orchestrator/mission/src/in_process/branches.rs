@@ -10,9 +10,8 @@ use std::path::Path;
 use std::rc::Rc;
 use std::sync::Arc;
 
-use geometry::pose::Twist2;
+use geometry::pose::{Pose2, Twist2};
 use ipc_types::bus::Bus;
-use runtime::ProcessError;
 use runtime::declaration::Flow;
 use runtime::maps::Maps;
 use scenario::ResolvedScenario;
@@ -22,7 +21,7 @@ use simulator::process::Simulator;
 
 use super::super::error::{InProcessError, MissionError};
 use super::super::plan::{Launch, Plan, Role};
-use super::processes::{LocalProcess, LocalProcesses, open_process, order};
+use super::processes::{LocalProcess, LocalProcesses, failed, open_process, order};
 
 /// Change of a run from a tick on.
 #[derive(Debug, Clone)]
@@ -35,6 +34,19 @@ pub struct Branch {
     pub seeds: BTreeMap<String, u64>,
     /// Commands in place of those of the planners.
     pub commands: Vec<GivenCommand>,
+    /// Places to which robots are moved at the tick.
+    pub places: Vec<GivenPlace>,
+}
+
+/// Place to which a robot is moved; its velocity stays.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GivenPlace {
+    /// Index of the robot.
+    pub robot: usize,
+    /// Position (m).
+    pub position: [f64; 2],
+    /// Heading (rad); `None`: its own.
+    pub heading: Option<f64>,
 }
 
 /// Command that a robot gets in place of its planner's.
@@ -53,6 +65,7 @@ pub(super) struct PreparedBranch {
     pub(super) tick: u64,
     params: SimulatorParams,
     commands: Vec<GivenCommand>,
+    places: Vec<GivenPlace>,
     /// Names of the processes from the tick on, in their order.
     order: Vec<String>,
     /// Set before the tick.
@@ -114,6 +127,7 @@ pub(super) fn prepared(
             tick: branch.tick,
             params: params.clone(),
             commands: branch.commands.clone(),
+            places: branch.places.clone(),
             order: order.iter().map(|l| l.config.name.clone()).collect(),
             mute,
             changed: LocalProcesses::from_list(changed),
@@ -127,13 +141,27 @@ impl PreparedBranch {
     /// Begins it at the current tick.
     ///
     /// # Errors
-    /// [`ProcessError`]: the simulator refuses its parameters.
+    /// [`InProcessError`]: the simulator `leader` refuses its parameters, or a robot cannot be at its place.
     pub(super) fn begin(
         self,
+        leader: &str,
         simulator: &mut Simulator,
         followers: &mut LocalProcesses,
-    ) -> Result<(), ProcessError> {
-        simulator.continue_by(&self.params)?;
+    ) -> Result<(), InProcessError> {
+        let continued = simulator.continue_by(&self.params);
+        continued.map_err(|source| failed(leader, Some(self.tick), source))?;
+        let robots = simulator.world().robots();
+        let pose = |place: &GivenPlace| {
+            let robot = robots.get(place.robot)?;
+            let [x, y] = place.position;
+            let theta = place.heading.unwrap_or(robot.pose.theta);
+            Some((place.robot, Pose2::new(x, y, theta)))
+        };
+        let places: Vec<_> = self.places.iter().filter_map(pose).collect();
+        simulator.shift(&places).map_err(|source| {
+            let (tick, source) = (self.tick, Box::new(source));
+            InProcessError::Place { tick, source }
+        })?;
         for given in &self.commands {
             simulator.give(given.robot, given.twist, given.ticks);
         }

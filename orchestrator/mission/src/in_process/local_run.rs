@@ -89,8 +89,7 @@ impl LocalRun {
         while self.branches.front().is_some_and(|next| next.tick <= tick)
             && let Some(branch) = self.branches.pop_front()
         {
-            let begun = branch.begin(&mut self.simulator, &mut self.followers);
-            begun.map_err(|source| failed(&self.leader, Some(tick), source))?;
+            branch.begin(&self.leader, &mut self.simulator, &mut self.followers)?;
         }
         Ok(())
     }

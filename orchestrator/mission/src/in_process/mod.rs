@@ -17,7 +17,7 @@ mod processes;
 mod stepped;
 mod tracks;
 
-pub use branches::{Branch, GivenCommand};
+pub use branches::{Branch, GivenCommand, GivenPlace};
 pub use direct::DirectRun;
 pub use processes::LocalProcesses;
 pub use stepped::SteppedRun;

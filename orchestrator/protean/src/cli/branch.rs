@@ -30,6 +30,7 @@ streams: its memory is that of this past. Its own messages count from T on.
   protean branch run.mcap --at 32 --set processes.perception.params.filter.particles=300
   protean branch run.mcap --at 32 --replace pursuer_police_1=evader_potential
   protean branch run.mcap --at 32 --command police_1=0.2,0 --for 5
+  protean branch run.mcap --at 32 --place police_1=1.2,3.4
   protean branch run.mcap --at 32 --times 40
 
 Exit codes: 0 success, 1 the history before T differs from the log or a run failed, 2 the log or the change is not usable,
@@ -47,6 +48,9 @@ pub(super) struct ChangeArgs {
     /// Give a robot this command (m/s, rad/s) in place of its planner's
     #[arg(long, value_name = "ROBOT=V,OMEGA", allow_hyphen_values = true)]
     command: Vec<String>,
+    /// Move a robot at once (m, rad; without HEADING it keeps its own)
+    #[arg(long, value_name = "ROBOT=X,Y[,HEADING]", allow_hyphen_values = true)]
+    place: Vec<String>,
     /// Time for which the commands count (s) [default: to the end]
     #[arg(long = "for", value_name = "S", requires = "command")]
     for_s: Option<f64>,
@@ -67,6 +71,7 @@ impl ChangeArgs {
             replace: self.replace.clone(),
             command: self.command.clone(),
             for_s: self.for_s,
+            place: self.place.clone(),
             reseed,
             seed,
         }

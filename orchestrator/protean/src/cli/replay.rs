@@ -54,12 +54,15 @@ pub struct ReplayArgs {
     /// Repeat until Ctrl-C
     #[arg(long = "loop")]
     again: bool,
-    /// Show the replay live in a browser, Foxglove or Lichtblick, on PORT of 127.0.0.1, read-only (0: any free port)
+    /// Show the replay live in a browser, Foxglove or Lichtblick, on PORT of 127.0.0.1, read-only without --control (0: any free port)
     #[arg(long, value_name = "PORT", num_args = 0..=1, default_missing_value = DEFAULT_PORT)]
     live: Option<u16>,
     /// With --live: open the page in the browser
     #[arg(long, requires = "live")]
     open: bool,
+    /// With --live: let the page pause, step and pace the replay, and branch the run at its end; then it stays until Ctrl-C
+    #[arg(long, requires = "live")]
+    control: bool,
     /// Test this process of the scenario against the log (repeatable)
     #[arg(long, value_name = "PROCESS", conflicts_with_all = [
         "pace", "as_fast_as_possible", "start", "again", "topics", "exclude", "live",
@@ -97,12 +100,13 @@ fn play(
     args: ReplayArgs,
     watch: &mut ReadProgress,
 ) -> Result<ExitCode, CommandError> {
+    let rate = if args.as_fast_as_possible {
+        f64::INFINITY
+    } else {
+        args.pace
+    };
     let options = ReplayOptions {
-        rate: if args.as_fast_as_possible {
-            f64::INFINITY
-        } else {
-            args.pace
-        },
+        rate,
         start_s: args.part.span.start,
         end_s: args.part.span.end,
         again: args.again,
@@ -110,6 +114,7 @@ fn play(
         live: args.live.map(|port| LiveOptions {
             port,
             open: args.open,
+            control: args.control.then_some(rate),
         }),
         quiet: args.quiet.quiet,
     };

@@ -92,6 +92,8 @@ fn execute(
         return in_process::run(scenario, &options);
     }
     let lock_step = scenario.run.mode == Mode::LockStep;
+    // Without a pace, a run would end before a viewer shows it.
+    let pace = args.pace.or(args.live.map(|_| 1.0)).filter(|_| lock_step);
     let options = MissionOptions {
         out: args.out.clone(),
         force: args.force.force,
@@ -101,9 +103,9 @@ fn execute(
         live: args.live.map(|port| LiveOptions {
             port,
             open: args.open,
+            control: pace.filter(|_| args.control),
         }),
-        // Without a pace, a run would end before a viewer shows it.
-        pace: args.pace.or(args.live.map(|_| 1.0)).filter(|_| lock_step),
+        pace,
         remarks,
         interrupted,
         last_tick: None,
@@ -164,6 +166,10 @@ fn load(kinds: &[Kind], target: &str, args: &RunArgs) -> Result<ResolvedScenario
     let loader = Loader::new(kinds).allow_outside(args.overrides.allow_outside);
     let load = |set: &[String]| loader.load(target, set, args.overrides.seed);
     let scenario = load(&set)?;
+    if args.control && scenario.run.mode == Mode::RealTime {
+        let option = "--control with run.mode";
+        return Err(LoadError::option(option, &"real_time", "lock_step"));
+    }
     refuse_external(target, &scenario, args.external.allow_external)?;
     asked(scenario, &set, load)
 }

@@ -28,6 +28,10 @@ pub struct OverrideArgs {
 
 /// Arguments of `protean run`, besides the scenario.
 #[derive(Debug, Clone, Default, clap::Args)]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "one per switch of the command line"
+)]
 pub struct RunArgs {
     #[command(flatten)]
     pub(super) overrides: OverrideArgs,
@@ -37,12 +41,15 @@ pub struct RunArgs {
     /// Run all processes within this one: same result, no latencies, no log unless --out names one
     #[arg(long, conflicts_with = "real_time")]
     pub(super) in_process: bool,
-    /// Show the run live in a browser, Foxglove or Lichtblick, on PORT of 127.0.0.1, read-only (0: any free port; implies --pace 1)
+    /// Show the run live in a browser, Foxglove or Lichtblick, on PORT of 127.0.0.1, read-only without --control (0: any free port; implies --pace 1)
     #[arg(long, value_name = "PORT", num_args = 0..=1, default_missing_value = DEFAULT_PORT, conflicts_with = "in_process")]
     pub(super) live: Option<u16>,
     /// With --live: open the page in the browser
     #[arg(long, requires = "live")]
     pub(super) open: bool,
+    /// With --live: let the page pause, step and pace the run, and branch it at its end; then it stays until Ctrl-C
+    #[arg(long, requires = "live", conflicts_with = "real_time")]
+    pub(super) control: bool,
     /// Limit lock-step to FACTOR times real time; the result is the same
     #[arg(long, value_name = "FACTOR", conflicts_with_all = ["real_time", "in_process"])]
     pub(super) pace: Option<f64>,

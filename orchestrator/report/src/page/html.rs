@@ -25,7 +25,12 @@ const VIEWER: [&str; 12] = [
     include_str!("page/player.js"),
 ];
 /// The scripts that start all.
-const START: [&str; 2] = [include_str!("page/live.js"), include_str!("page/start.js")];
+const START: [&str; 4] = [
+    include_str!("page/live.js"),
+    include_str!("page/world.js"),
+    include_str!("page/what_if.js"),
+    include_str!("page/start.js"),
+];
 
 /// A run on the page: its facts (JSON), and its lists of numbers (base64).
 #[derive(Debug)]

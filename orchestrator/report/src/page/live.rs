@@ -18,8 +18,8 @@ pub struct LivePage {
     open: Option<(Reader<'static>, PageParts)>,
     /// Latest time up to which a replay was shown (ns).
     reached_ns: u64,
-    /// Time of the last message, current time and end at the last call.
-    before: Option<(u64, Option<u64>, bool)>,
+    /// Time of the last message, current time, end and control at the last call.
+    before: Option<(u64, Option<u64>, bool, Json)>,
 }
 
 impl LivePage {
@@ -40,7 +40,7 @@ impl LivePage {
 
     /// Returns the data of the page (JSON, in one line): of the whole log so far, or of a replay up to the latest
     /// `replayed_ns` so far (ns); `None` if nothing is new, and before the first message of the log. `ended`: the run
-    /// or the replay is over.
+    /// or the replay is over; `control`: what pages hold, null if they hold nothing.
     ///
     /// # Errors
     /// [`LogReadError`]: the log cannot be read or is not a Protean log of this version.
@@ -48,6 +48,7 @@ impl LivePage {
         &mut self,
         replayed_ns: Option<u64>,
         ended: bool,
+        control: &Json,
     ) -> Result<Option<String>, LogReadError> {
         if self.open.is_none() {
             let (marks, has_message) = Marks::from_log(&self.log);
@@ -62,8 +63,8 @@ impl LivePage {
         self.reached_ns = self.reached_ns.max(replayed_ns.unwrap_or(u64::MAX));
         reader.resume()?;
         let last_ns = parts.read_on(reader, self.reached_ns)?;
-        if self.before.replace((last_ns, replayed_ns, ended)) == Some((last_ns, replayed_ns, ended))
-        {
+        let state = Some((last_ns, replayed_ns, ended, control.clone()));
+        if std::mem::replace(&mut self.before, state.clone()) == state {
             return Ok(None);
         }
         if ended {
@@ -74,7 +75,8 @@ impl LivePage {
         let (mut page, _) = run(&mut content, Compression::fast()).map_err(failed)?;
         let now_s = replayed_ns.unwrap_or(content.end_ns).min(content.end_ns) as f64 / 1e9;
         if let Some(facts) = page.facts.as_object_mut() {
-            facts.insert("live".to_owned(), json!({ "now_s": now_s, "ended": ended }));
+            let live = json!({ "now_s": now_s, "ended": ended, "control": control });
+            facts.insert("live".to_owned(), live);
             let is_whole = content.condition.complete || ended && replayed_ns.is_none();
             if !is_whole {
                 facts.insert("missing".to_owned(), json!(content.notes));

@@ -128,11 +128,11 @@ pub fn render(
     Ok((page, reports))
 }
 
-/// Returns the differences of two logs, or the reason why they cannot be compared.
+/// Returns the differences of two logs for a page of both, or the reason why they cannot be compared (JSON).
 ///
 /// # Errors
 /// [`LogReadError::Interrupted`].
-fn comparison(a: &Path, b: &Path, watch: &mut ReadProgress) -> Result<Json, LogReadError> {
+pub fn comparison(a: &Path, b: &Path, watch: &mut ReadProgress) -> Result<Json, LogReadError> {
     match diff(a, b, watch) {
         Ok(report) => Ok(json!({ "report": report })),
         Err(LogReadError::Interrupted) => Err(LogReadError::Interrupted),

@@ -126,11 +126,9 @@ impl Broadcaster {
         Some(id)
     }
 
-    /// Counts a browser that shows the page; returns `false` after the end.
-    pub(super) fn count_viewer(&self) -> bool {
-        let mut state = self.lock();
-        state.totals.viewers += u64::from(!state.closed);
-        !state.closed
+    /// Counts a browser that shows the page.
+    pub(super) fn count_viewer(&self) {
+        self.lock().totals.viewers += 1;
     }
 
     /// Counts a browser that was disconnected because it stopped reading.

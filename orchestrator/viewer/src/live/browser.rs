@@ -1,4 +1,4 @@
-//! Connections of browsers: the page of the run, and the stream of its data.
+//! Connections of browsers: the page of the run, the stream of its data, and orders.
 
 use std::io::{self, ErrorKind, Read as _, Write as _};
 use std::net::TcpStream;
@@ -6,23 +6,27 @@ use std::time::Instant;
 
 use report::page::LivePage;
 use rustix::event::{PollFd, PollFlags};
-use tungstenite::handshake::server::{ErrorResponse, Request};
+use serde::Deserialize;
+use tungstenite::handshake::server::ErrorResponse;
 
 use super::admission::Admission;
 use super::client::{END_TIMEOUT, End, ServerState};
+use super::control::Order;
 use super::handshake;
-use super::request::wait;
+use super::request::{Asked, wait};
+use super::what_if::{WhatIf, WhatIfError};
 
 /// Answers a request that asks for no `WebSocket`: with the page, which holds nothing of the run; with its data for the
 /// token; or with a refusal.
 pub(super) fn answer(
     server_state: &ServerState,
     tcp: &TcpStream,
-    request: &Request,
+    asked: &Asked,
     admission: &Admission,
 ) {
+    let (request, order) = (&asked.request, asked.order.as_deref());
     // A viewer that does not read the answer leaves in any case.
-    let _ = if request.uri().path() == "/" {
+    let _ = if order.is_none() && request.uri().path() == "/" {
         let page = LivePage::html();
         send_all(
             server_state,
@@ -32,7 +36,17 @@ pub(super) fn answer(
         .and_then(|()| send_all(server_state, tcp, page.as_bytes()))
     } else if let Err(refused) = handshake::permit(&server_state.token, request) {
         refuse(server_state, tcp, &refused)
-    } else if admission.admit() && server_state.broadcaster.count_viewer() {
+    } else if let Some(order) = order {
+        // Admitted first, as a viewer: the answer may take its time.
+        if !admission.admit() {
+            return;
+        }
+        let (status, words) = obey(server_state, order);
+        send_all(server_state, tcp, &head(status, "application/json"))
+            .and_then(|()| send_all(server_state, tcp, words.as_bytes()))
+    } else if admission.admit() {
+        server_state.broadcaster.count_viewer();
+        let _open = server_state.control.as_ref().map(|control| control.enter());
         let sent = stream(server_state, tcp, admission);
         if matches!(sent, Ok(End::Stalled)) {
             server_state.broadcaster.count_cut_off();
@@ -41,6 +55,51 @@ pub(super) fn answer(
     } else {
         Ok(())
     };
+}
+
+/// Body of a request that is an order.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum Body {
+    Branch { branch: WhatIf },
+    Order(Order),
+}
+
+/// Obeys the order of a page; returns the status and the words of the answer.
+fn obey(server_state: &ServerState, order: &[u8]) -> (&'static str, String) {
+    let Some(control) = &server_state.control else {
+        let words = "this server takes no orders: start it with --control\n";
+        return ("403 Forbidden", words.to_owned());
+    };
+    let obeyed = match serde_json::from_slice(order) {
+        Ok(Body::Order(order)) => match control.obey(order) {
+            Ok(wish) => Ok(serde_json::json!(wish).to_string()),
+            Err(error) => Err(error.to_string()),
+        },
+        Ok(Body::Branch { branch }) => {
+            make(server_state, &branch).map_err(|error| error.to_string())
+        }
+        Err(_) => Err(
+            "order: expected \"pause\", \"step\", \"go\", {\"pace\": FACTOR} or \
+             {\"branch\": {\"at_s\": T, \"place\": [\"ROBOT=X,Y\"], \"set\": [\"KEY=VALUE\"]}}"
+                .to_owned(),
+        ),
+    };
+    match obeyed {
+        Ok(answer) => ("200 OK", answer),
+        Err(words) => ("422 Unprocessable Content", words),
+    }
+}
+
+/// Makes a branch, unless another one is being made.
+fn make(server_state: &ServerState, branch: &WhatIf) -> Result<String, WhatIfError> {
+    let log = server_state.pages.log();
+    let log = log.filter(|_| server_state.broadcaster.is_closed());
+    let log = log.ok_or(WhatIfError::Running)?;
+    let Ok(_one) = server_state.branches.try_lock() else {
+        return Err(WhatIfError::Busy);
+    };
+    branch.make(&log, || server_state.is_done())
 }
 
 fn head(status: &str, kind: &str) -> Vec<u8> {
@@ -69,10 +128,12 @@ fn stream(server_state: &ServerState, tcp: &TcpStream, admission: &Admission) ->
         }
         bytes.clear();
         let ended = broadcaster.is_closed();
-        match server_state
-            .pages
-            .newer(number, broadcaster.time_ns(), ended)
-        {
+        match server_state.pages.newer(
+            number,
+            broadcaster.time_ns(),
+            ended,
+            server_state.control.as_deref(),
+        ) {
             Some((newer, line)) => {
                 number = newer;
                 bytes.extend_from_slice(&line);

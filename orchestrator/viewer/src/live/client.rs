@@ -2,7 +2,8 @@
 
 use std::io;
 use std::os::fd::{AsFd as _, BorrowedFd, OwnedFd};
-use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use rustix::event::{PollFd, PollFlags};
@@ -13,6 +14,7 @@ use tungstenite::{Error, Message, WebSocket, accept_hdr_with_config};
 
 use super::admission::Admission;
 use super::broadcaster::{Broadcaster, Frame};
+use super::control::Control;
 use super::handshake::{self, Token};
 use super::page::PageData;
 use super::request::{Connection, HANDSHAKE_TIMEOUT, wait};
@@ -38,6 +40,19 @@ pub(super) struct ServerState {
     pub(super) stall_timeout: Duration,
     /// Data of the page.
     pub(super) pages: Arc<PageData>,
+    /// Control by pages; `None`: they control nothing.
+    pub(super) control: Option<Arc<Control>>,
+    /// Locked while a branch is made.
+    pub(super) branches: Arc<Mutex<()>>,
+    /// Set at the end of the server, which pages may use after the end of the run.
+    pub(super) done: Arc<AtomicBool>,
+}
+
+impl ServerState {
+    /// Returns `true` if the server ends.
+    pub(super) fn is_done(&self) -> bool {
+        self.done.load(Ordering::SeqCst)
+    }
 }
 
 /// Serves one connection until it ends.

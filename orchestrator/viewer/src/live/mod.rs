@@ -7,9 +7,9 @@
 //! * `browser` serves the page of the report, with data that grow with the log: `page` reads the log, not the messages of
 //!   the run, and only while a page is open.
 //!
-//! The server only sends. It offers the capability `time` only, so that a viewer can neither publish nor
-//! change parameters, call services or set the time; the server ignores all messages of viewers except
-//! subscriptions. The run never waits for a viewer: the server drops messages for a slow viewer, counts them,
+//! The server only sends, unless its caller lets pages control the run: `control` keeps what they ask for, and the run asks
+//! it. It offers the capability `time` only, so that a viewer can neither publish nor change parameters, call services or set
+//! the time; the server ignores all messages of viewers except subscriptions. The run never waits for a viewer: the server drops messages for a slow viewer, counts them,
 //! and disconnects a viewer that does not read.
 //!
 //! The `foxglove` crate also has a server, but it accepts every connection to the port, including those of
@@ -20,13 +20,16 @@ mod admission;
 mod broadcaster;
 mod browser;
 mod client;
+mod control;
 mod error;
 mod handshake;
 mod page;
 mod request;
 mod server;
+mod what_if;
 mod wire;
 
 pub use broadcaster::{BroadcastHandle, Broadcaster, LiveTotals};
+pub use control::{Control, Wish};
 pub use error::LiveError;
 pub use server::{LiveOptions, LiveServer};

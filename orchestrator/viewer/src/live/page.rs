@@ -1,11 +1,13 @@
 //! Data of the page for a browser: a line of JSON whenever the log has grown.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use report::page::LivePage;
 use serde_json::json;
+
+use super::control::Control;
 
 /// Minimum time between two states of the data.
 const INTERVAL: Duration = Duration::from_millis(400);
@@ -20,6 +22,8 @@ pub(super) struct PageData(Mutex<Latest>);
 struct Latest {
     /// The log, and `true` if it is replayed.
     source: Option<(LivePage, bool)>,
+    /// Its path.
+    log: Option<PathBuf>,
     line: Arc<[u8]>,
     /// Number of the line; 0 before the first.
     number: u64,
@@ -33,20 +37,33 @@ impl PageData {
     pub(super) fn show(&self, log: &Path, replayed: bool) {
         let mut latest = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         latest.source = Some((LivePage::new(log), replayed));
+        latest.log = Some(log.to_owned());
+    }
+
+    /// Returns the shown log.
+    pub(super) fn log(&self) -> Option<PathBuf> {
+        let latest = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        latest.log.clone()
     }
 
     /// Returns the latest line with its number, if that is not `than`. `now_ns`: simulated time (ns).
-    pub(super) fn newer(&self, than: u64, now_ns: u64, ended: bool) -> Option<(u64, Arc<[u8]>)> {
+    pub(super) fn newer(
+        &self,
+        than: u64,
+        now_ns: u64,
+        ended: bool,
+        control: Option<&Control>,
+    ) -> Option<(u64, Arc<[u8]>)> {
         let mut latest = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let latest = &mut *latest;
         let began = Instant::now();
         let is_due = ended || latest.due.is_none_or(|due| began >= due);
         if than == latest.number && is_due && !latest.is_last {
             latest.is_last = ended;
-            let data = latest
-                .source
-                .as_mut()
-                .map(|(page, replayed)| page.data(replayed.then_some(now_ns), ended));
+            let data = latest.source.as_mut().map(|(page, replayed)| {
+                let control = json!(control.map(Control::wish));
+                page.data(replayed.then_some(now_ns), ended, &control)
+            });
             let line = match data {
                 Some(Ok(line)) => line,
                 Some(Err(error)) => {

@@ -1,4 +1,4 @@
-//! Requests of connections: for a `WebSocket`, or for a page.
+//! Requests of connections: for a `WebSocket`, for a page, or to obey an order.
 
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::TcpStream;
@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use tungstenite::handshake::machine::TryParse as _;
 use tungstenite::handshake::server::Request;
+use tungstenite::http::header::CONTENT_LENGTH;
 
 use super::admission::Admission;
 
@@ -14,10 +15,43 @@ use super::admission::Admission;
 pub(super) const HANDSHAKE_TIMEOUT: Duration = Duration::from_secs(5);
 /// Maximum sleep of the thread without an event.
 const POLL_INTERVAL: Duration = Duration::from_millis(200);
-/// Maximum size of the head of a request (bytes).
-const MAX_HEAD_BYTES: usize = 16 << 10;
+/// Maximum size of a request (bytes).
+const MAX_BYTES: usize = 16 << 10;
 /// End of the head of a request.
 const END: &[u8] = b"\r\n\r\n";
+
+/// Complete request of a connection.
+#[derive(Debug)]
+pub(super) struct Asked {
+    pub(super) request: Request,
+    /// Body of a POST: an order.
+    pub(super) order: Option<Vec<u8>>,
+}
+
+impl Asked {
+    /// Parses a request; `None` before its end, an error if it is neither a GET nor a POST with the length of its body.
+    fn parse(bytes: &[u8]) -> Result<Option<Self>, tungstenite::Error> {
+        let Some(end) = bytes.windows(END.len()).position(|four| four == END) else {
+            return Ok(None);
+        };
+        let post = bytes.strip_prefix(b"POST ");
+        // The library parses requests for a `WebSocket`.
+        let get = post.map(|rest| [b"GET ", rest].concat());
+        let parsed = Request::try_parse(get.as_deref().unwrap_or(bytes))?;
+        let Some((_, request)) = parsed else {
+            return Ok(None);
+        };
+        let body = bytes.get(end + END.len()..).unwrap_or_default();
+        let length = request.headers().get(CONTENT_LENGTH);
+        let length = length.and_then(|text| text.to_str().ok()?.parse().ok());
+        let order = match (post, length) {
+            (None, _) => None,
+            (Some(_), Some(length)) if body.len() < length => return Ok(None),
+            (Some(_), length) => Some(body.iter().copied().take(length.unwrap_or(0)).collect()),
+        };
+        Ok(Some(Self { request, order }))
+    }
+}
 
 /// A non-blocking connection; bytes that were read before are read again first.
 #[derive(Debug)]
@@ -27,19 +61,22 @@ pub(super) struct Connection {
 }
 
 impl Connection {
-    /// Reads the head of the request; `None` if it is not that of a GET, or does not arrive before the deadline or the
-    /// end (`stops`).
+    /// Reads the request; `None` if it is neither a GET nor a POST, or does not arrive before the deadline or the end
+    /// (`stops`).
     pub(super) fn open(
         mut tcp: TcpStream,
         admission: &Admission,
         stops: impl Fn() -> bool,
-    ) -> Option<(Self, Request)> {
+    ) -> Option<(Self, Asked)> {
         let deadline = Instant::now() + HANDSHAKE_TIMEOUT;
         let (mut head, mut part) = (Vec::new(), [0; 2048]);
-        while !head.windows(END.len()).any(|four| four == END) {
+        loop {
+            if let Some(asked) = Asked::parse(&head).ok()? {
+                return Some((Self { tcp, head }, asked));
+            }
             match tcp.read(&mut part) {
                 Ok(0) => return None,
-                Ok(read) if head.len() + read <= MAX_HEAD_BYTES => {
+                Ok(read) if head.len() + read <= MAX_BYTES => {
                     head.extend(part.iter().take(read));
                 }
                 Err(e) if e.kind() == ErrorKind::Interrupted => {}
@@ -53,8 +90,6 @@ impl Connection {
                 Ok(_) | Err(_) => return None,
             }
         }
-        let (_, request) = Request::try_parse(&head).ok()??;
-        Some((Self { tcp, head }, request))
     }
 }
 

@@ -5,6 +5,7 @@ use std::net::{Ipv4Addr, SocketAddr, TcpListener, TcpStream};
 use std::os::fd::OwnedFd;
 use std::path::Path;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
@@ -17,6 +18,7 @@ use super::admission::Admission;
 use super::broadcaster::{BroadcastHandle, Broadcaster, LiveTotals};
 use super::browser;
 use super::client::{self, ServerState};
+use super::control::Control;
 use super::error::LiveError;
 use super::handshake::Token;
 use super::page::PageData;
@@ -28,6 +30,8 @@ const MAX_VIEWERS: usize = 32;
 const MAX_NEWCOMERS: usize = 32;
 /// Default time without reading after which a viewer is disconnected.
 const STALL_TIMEOUT: Duration = Duration::from_secs(10);
+/// Interval between two checks for the end of a server that outlives its run.
+const WAIT_FOR_END: Duration = Duration::from_millis(50);
 /// Pause after the operating system failed to accept a connection, for example without free descriptors,
 /// which become available only when a viewer disconnects.
 const ACCEPT_RETRY: Timespec = Timespec {
@@ -36,12 +40,14 @@ const ACCEPT_RETRY: Timespec = Timespec {
 };
 
 /// Request for a live server.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct LiveOptions {
     /// Port on 127.0.0.1; 0 selects a free port.
     pub port: u16,
     /// `true` to open the page in the browser of the user.
     pub open: bool,
+    /// Pace (simulated s per s) at which pages begin to control what the server shows; `None`: they control nothing.
+    pub control: Option<f64>,
 }
 
 /// Server for viewers on the loopback address, until finished or dropped.
@@ -49,10 +55,13 @@ pub struct LiveOptions {
 pub struct LiveServer {
     broadcaster: Arc<Broadcaster>,
     pages: Arc<PageData>,
+    control: Option<Arc<Control>>,
     /// Directory of the file that leads the browser to the page.
     leads: Option<Scratch>,
     address: SocketAddr,
     token: Token,
+    /// Set at the end of the server.
+    done: Arc<AtomicBool>,
     /// Event descriptor, readable after the end.
     end: Arc<OwnedFd>,
     thread: Option<JoinHandle<()>>,
@@ -64,7 +73,7 @@ impl LiveServer {
     /// # Errors
     /// [`LiveError`] if the port is not available.
     pub fn start(options: LiveOptions) -> Result<Self, LiveError> {
-        let mut server = Self::with_stall_timeout(options.port, STALL_TIMEOUT)?;
+        let mut server = Self::with_stall_timeout(options, STALL_TIMEOUT)?;
         // Shown also in quiet mode, since viewers need the address.
         eprintln!("{}", server.invitation());
         if options.open {
@@ -107,7 +116,11 @@ impl LiveServer {
     ///
     /// # Errors
     /// As [`LiveServer::start`].
-    fn with_stall_timeout(port: u16, stall_timeout: Duration) -> Result<Self, LiveError> {
+    fn with_stall_timeout(
+        options: LiveOptions,
+        stall_timeout: Duration,
+    ) -> Result<Self, LiveError> {
+        let LiveOptions { port, control, .. } = options;
         let listen = |source| LiveError::Listen { port, source };
         let system = |what| move |source| LiveError::System { what, source };
         let token = Token::random().map_err(system("cannot read random numbers"))?;
@@ -118,6 +131,8 @@ impl LiveServer {
         let end = Arc::new(wake_up().map_err(system("cannot create an event descriptor"))?);
         let broadcaster = Arc::new(Broadcaster::default());
         let pages = Arc::new(PageData::default());
+        let control = control.map(|pace| Arc::new(Control::new(pace)));
+        let done = Arc::<AtomicBool>::default();
         let handshake = Acceptor {
             server_state: ServerState {
                 broadcaster: Arc::clone(&broadcaster),
@@ -125,6 +140,9 @@ impl LiveServer {
                 session: session.text().to_owned(),
                 stall_timeout,
                 pages: Arc::clone(&pages),
+                control: control.clone(),
+                branches: Arc::default(),
+                done: Arc::clone(&done),
             },
             end: Arc::clone(&end),
         };
@@ -135,9 +153,11 @@ impl LiveServer {
         Ok(Self {
             broadcaster,
             pages,
+            control,
             leads: None,
             address,
             token,
+            done,
             end,
             thread: Some(thread),
         })
@@ -168,19 +188,33 @@ impl LiveServer {
         self.broadcaster.tap()
     }
 
+    /// Returns what pages ask for, if they may.
+    pub fn control(&self) -> Option<&Control> {
+        self.control.as_deref()
+    }
+
     /// Returns the totals so far.
     pub fn totals(&self) -> LiveTotals {
         self.broadcaster.totals()
     }
 
-    /// Sends queued messages, closes all connections and returns the totals.
-    pub fn finish(mut self) -> LiveTotals {
+    /// Sends queued messages, closes all connections and returns the totals. With control, pages may make branches before,
+    /// until `interrupted` is set.
+    pub fn finish(mut self, interrupted: &AtomicBool) -> LiveTotals {
+        self.broadcaster.close();
+        if self.control.is_some() && !interrupted.load(Ordering::SeqCst) {
+            eprintln!("live: the run has ended; its page stays, for branches, until Ctrl-C");
+            while !interrupted.load(Ordering::SeqCst) {
+                std::thread::park_timeout(WAIT_FOR_END);
+            }
+        }
         self.stop();
         self.broadcaster.totals()
     }
 
     fn stop(&mut self) {
         self.broadcaster.close();
+        self.done.store(true, Ordering::SeqCst);
         let _ = rustix::io::write(&*self.end, &1_u64.to_ne_bytes());
         if let Some(thread) = self.thread.take() {
             let _ = thread.join();
@@ -215,7 +249,7 @@ impl Acceptor {
     fn run(&self, listener: &TcpListener) {
         let mut connections: Vec<Connection> = Vec::new();
         let mut failed = false;
-        while !self.server_state.broadcaster.is_closed() {
+        while !self.server_state.is_done() {
             let mut fds = [
                 PollFd::new(&*self.end, PollFlags::IN),
                 PollFd::new(listener, PollFlags::IN),
@@ -270,17 +304,15 @@ impl Acceptor {
         stream.set_nodelay(true)?;
         let admission = Arc::new(Admission::new(wake_up()?));
         let (server_state, own) = (self.server_state.clone(), Arc::clone(&admission));
-        let serve = move || {
-            let is_closed = || server_state.broadcaster.is_closed();
-            match request::Connection::open(stream, &own, is_closed) {
-                Some((connection, request)) if request.headers().contains_key(UPGRADE) => {
-                    client::serve(&server_state, connection, &own);
-                }
-                Some((connection, request)) => {
-                    browser::answer(&server_state, &connection.tcp, &request, &own);
-                }
-                None => {}
+        let serve = move || match request::Connection::open(stream, &own, || server_state.is_done())
+        {
+            Some((connection, asked)) if asked.request.headers().contains_key(UPGRADE) => {
+                client::serve(&server_state, connection, &own);
             }
+            Some((connection, asked)) => {
+                browser::answer(&server_state, &connection.tcp, &asked, &own);
+            }
+            None => {}
         };
         let thread = std::thread::Builder::new()
             .name("viewer".into())
@@ -337,7 +369,8 @@ mod tests {
     }
 
     fn server(stall_timeout: Duration) -> LiveServer {
-        let server = LiveServer::with_stall_timeout(0, stall_timeout).unwrap();
+        let options = LiveOptions::default();
+        let server = LiveServer::with_stall_timeout(options, stall_timeout).unwrap();
         server.tap().channel(&ChannelSpec {
             topic: "/rosout",
             schema_name: "Thing",
@@ -365,7 +398,7 @@ mod tests {
             );
         }
         drop((half_open, viewers));
-        server.finish();
+        server.finish(&AtomicBool::default());
     }
 
     #[test]
@@ -386,7 +419,7 @@ mod tests {
         let timed_out = matches!(&end, tungstenite::Error::Io(e)
             if matches!(e.kind(), io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut));
         assert!(!timed_out, "{end}");
-        assert_eq!(server.finish().cut_off, 1);
+        assert_eq!(server.finish(&AtomicBool::default()).cut_off, 1);
     }
 
     #[test]
@@ -396,6 +429,6 @@ mod tests {
         let totals = send_until(&server, |totals| totals.left_out > 0);
         assert_eq!((totals.viewers, totals.cut_off), (1, 0));
         drop(silent);
-        assert_eq!(server.finish().cut_off, 0);
+        assert_eq!(server.finish(&AtomicBool::default()).cut_off, 0);
     }
 }

@@ -118,7 +118,6 @@ fn config() -> ProcessConfig {
             seed: 1,
             tick_period_ns: 50_000_000,
             clock: Clock::LockStep,
-            pace: None,
             processor: None,
             processes: 2,
             events: 0,

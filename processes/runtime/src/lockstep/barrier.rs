@@ -13,7 +13,7 @@ use rustix::thread::futex;
 pub const MAX_SLOTS: usize = 64;
 
 /// Magic number of files with a tick barrier of this layout.
-const MAGIC: u32 = 0x5052_5433;
+const MAGIC: u32 = 0x5052_5434;
 
 /// Faults that make the barrier unusable.
 #[derive(Debug, thiserror::Error)]
@@ -110,7 +110,8 @@ impl SlotState {
 pub(super) struct Slot {
     /// [`SlotState`].
     pub state: AtomicU32,
-    /// Ticks done; futex of the processes downstream.
+    /// Ticks done; futex of the processes downstream. Of the simulator: its waits for a due tick, progress for the
+    /// orchestrator.
     pub done: AtomicU32,
     /// 1 if the simulator waits for this process at every tick.
     pub in_loop: AtomicU32,
@@ -142,6 +143,10 @@ pub(super) struct Words {
     pub joins: Line,
     /// Number of requests that the simulator has served; futex of the processes that wait for that.
     pub joined: Line,
+    /// Twice the number of single steps that the orchestrator has asked for; plus 1 while it holds the world.
+    pub hold: Line,
+    /// Pace in lock-step (simulated s per s), the bits of an `f32`; 0: as fast as possible.
+    pub pace: Line,
     /// 1 when the game is over. It wakes no process; the recorder and the orchestrator poll it.
     pub over: Line,
     pub slot: [Slot; MAX_SLOTS],

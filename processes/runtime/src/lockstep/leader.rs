@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use super::POLL_INTERVAL;
 use super::barrier::{Phase, SlotState, TickBarrier, sleep_while, wake_all};
@@ -20,6 +20,27 @@ pub enum TickEnd {
     Idle,
     /// The run ends.
     Stop,
+}
+
+/// Times of the ticks in lock-step, at the pace of the orchestrator.
+#[derive(Debug)]
+pub struct Pacing {
+    tick_period: Duration,
+    /// Time from which on the next tick is due one period later.
+    since: Instant,
+    /// Single steps taken.
+    steps: u32,
+}
+
+impl Pacing {
+    /// Begins now; `tick_period` is in simulated time.
+    pub fn new(tick_period: Duration) -> Self {
+        Self {
+            tick_period,
+            since: Instant::now(),
+            steps: 0,
+        }
+    }
 }
 
 /// Slot of the simulator: posts ticks and waits for all members.
@@ -194,15 +215,51 @@ impl BarrierLeader {
         wake_all(&words.tick.0);
     }
 
+    /// Waits until the next tick may begin: when it is due at the pace of the orchestrator, or one step at a time while it
+    /// holds the world. A late tick shifts the later ones, so that the world does not race to catch up. Returns `false` if
+    /// the run stops, or without `running`.
+    pub fn wait_until_due(&self, pacing: &mut Pacing, running: impl Fn() -> bool) -> bool {
+        let words = self.barrier.words();
+        let mut earliest = Instant::now();
+        loop {
+            let phase = self.barrier.phase();
+            if phase == Phase::Stop || !running() {
+                return false;
+            }
+            let hold = words.hold.0.load(Ordering::SeqCst);
+            let (is_held, steps) = (hold & 1 != 0, hold >> 1);
+            let pace = f32::from_bits(words.pace.0.load(Ordering::SeqCst));
+            let mut due = pacing.since;
+            let left = if is_held {
+                earliest = Instant::now();
+                POLL_INTERVAL * u32::from(steps == pacing.steps)
+            } else {
+                if pace > 0.0 {
+                    due += pacing.tick_period.div_f64(f64::from(pace));
+                }
+                due.saturating_duration_since(Instant::now())
+            };
+            if left.is_zero() {
+                pacing.steps = if is_held { pacing.steps + 1 } else { steps };
+                pacing.since = due.max(earliest);
+                return true;
+            }
+            // The orchestrator sees that it does not hang.
+            let waits = &self.barrier.slot(self.slot).done;
+            waits.fetch_add(1, Ordering::SeqCst);
+            sleep_while(&words.phase.0, phase as u32, left.min(POLL_INTERVAL));
+        }
+    }
+
     /// Sleeps for `time` or until the run stops; returns `true` if the run continues.
     pub fn sleep(&self, time: Duration) -> bool {
-        let end = std::time::Instant::now() + time;
+        let end = Instant::now() + time;
         loop {
             let phase = self.barrier.phase();
             if phase == Phase::Stop {
                 return false;
             }
-            let left = end.saturating_duration_since(std::time::Instant::now());
+            let left = end.saturating_duration_since(Instant::now());
             if left.is_zero() {
                 return true;
             }

@@ -16,7 +16,7 @@ mod member;
 mod monitor;
 
 pub use barrier::{BarrierError, Phase, SlotState, TickBarrier};
-pub use leader::{BarrierLeader, TickEnd};
+pub use leader::{BarrierLeader, Pacing, TickEnd};
 pub use member::{BarrierMember, TickWait};
 pub use monitor::BarrierMonitor;
 

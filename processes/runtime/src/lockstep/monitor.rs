@@ -49,6 +49,18 @@ impl BarrierMonitor {
         }
     }
 
+    /// Sets the pace of the world in lock-step (simulated s per s; not finite: as fast as possible). While `is_held`, it
+    /// goes on by single steps only, of which `steps` have been asked for so far.
+    pub fn pace(&self, pace: f64, is_held: bool, steps: u32) {
+        let words = self.barrier.words();
+        let pace = if pace.is_finite() { pace as f32 } else { 0.0 };
+        words.pace.0.store(pace.to_bits(), Ordering::SeqCst);
+        let hold = (steps << 1) | u32::from(is_held);
+        words.hold.0.store(hold, Ordering::SeqCst);
+        // The simulator sleeps on it between two ticks.
+        wake_all(&words.phase.0);
+    }
+
     /// Removes a dead process from the count, so that no process waits for it.
     pub fn mark_dead(&self, slot: usize) {
         self.barrier

@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use runtime::lockstep::{
-    BarrierError, BarrierLeader, BarrierMember, BarrierMonitor, Phase, SlotState, TickBarrier,
-    TickEnd, TickWait,
+    BarrierError, BarrierLeader, BarrierMember, BarrierMonitor, Pacing, Phase, SlotState,
+    TickBarrier, TickEnd, TickWait,
 };
 
 /// Separate barrier of a test, removed also when the test fails.
@@ -153,6 +153,61 @@ fn a_process_that_dies_in_the_middle_of_a_tick_is_taken_out_of_the_count() {
         assert_eq!(monitor.barrier().ticks_done(3), 200);
         monitor.set_phase(Phase::Stop);
     });
+}
+
+#[test]
+fn the_world_keeps_the_pace_of_the_orchestrator_and_is_held_and_stepped() {
+    let (barrier, monitor) = Barrier::new("paced", 1);
+    monitor.set_phase(Phase::Run);
+    let leader = BarrierLeader::new(barrier.open(), 0, 1_000_000);
+    let start = Instant::now();
+    let mut pacing = Pacing::new(Duration::from_millis(40));
+    monitor.pace(4.0, false, 0);
+    for _ in 0..5 {
+        assert!(leader.wait_until_due(&mut pacing, || true));
+    }
+    assert!(start.elapsed() >= Duration::from_millis(50));
+    // Two steps at once; the third waits for its order.
+    monitor.pace(0.001, true, 2);
+    for _ in 0..2 {
+        assert!(leader.wait_until_due(&mut pacing, || true));
+    }
+    let steps = AtomicU64::new(0);
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            while leader.wait_until_due(&mut pacing, || true) {
+                steps.fetch_add(1, Ordering::SeqCst);
+            }
+        });
+        let waits = || {
+            let from = monitor.barrier().ticks_done(0);
+            while monitor.barrier().ticks_done(0) < from + 2 {
+                std::thread::yield_now();
+            }
+        };
+        waits();
+        assert_eq!(steps.load(Ordering::SeqCst), 0);
+        monitor.pace(0.001, true, 3);
+        waits();
+        assert_eq!(steps.load(Ordering::SeqCst), 1);
+        // Let go, it waits for the next tick at a slow pace; a fast one counts at once.
+        monitor.pace(0.001, false, 3);
+        waits();
+        assert_eq!(steps.load(Ordering::SeqCst), 1);
+        monitor.pace(f64::INFINITY, false, 3);
+        while steps.load(Ordering::SeqCst) < 1000 {
+            std::thread::yield_now();
+        }
+        monitor.set_phase(Phase::Stop);
+    });
+    monitor.set_phase(Phase::Run);
+    monitor.pace(1.0, true, 3);
+    let mut pacing = Pacing::new(Duration::from_millis(40));
+    assert!(leader.wait_until_due(&mut pacing, || true), "older steps");
+    assert!(
+        !leader.wait_until_due(&mut pacing, || false),
+        "it is to end"
+    );
 }
 
 #[test]

@@ -5,7 +5,7 @@ use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use ipc_types::clock;
-use runtime::lockstep::{BarrierLeader, TickEnd};
+use runtime::lockstep::{BarrierLeader, Pacing, TickEnd};
 use runtime::{ProcessError, Setup};
 
 use super::Simulator;
@@ -37,15 +37,14 @@ impl Schedule {
 }
 
 impl Simulator {
-    /// Runs ticks that begin when all processes have done the last one and, with a pace (simulated
-    /// s/s), not before they are due.
+    /// Runs ticks that begin when all processes have done the last one, and not before they are due at
+    /// the pace of the orchestrator.
     pub(super) fn lock_step(
         &mut self,
         leader: &BarrierLeader,
         setup: &mut Setup,
-        pace: Option<f64>,
     ) -> Result<(), ProcessError> {
-        let mut schedule = pace.map(|pace| Schedule::new(self.tick_period, pace));
+        let mut pacing = Pacing::new(self.tick_period);
         loop {
             let start = Instant::now();
             let over = self.publish()?;
@@ -80,9 +79,8 @@ impl Simulator {
                 return Ok(());
             }
             self.advance(0);
-            if let Some(schedule) = &mut schedule
-                && !leader.sleep(schedule.until_next())
-            {
+            let running = || !setup.stop.load(Ordering::Relaxed);
+            if !leader.wait_until_due(&mut pacing, running) {
                 return Ok(());
             }
         }

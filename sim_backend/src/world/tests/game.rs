@@ -361,6 +361,35 @@ fn a_robot_that_stands_before_its_goal_is_reported_once_per_standstill() {
 }
 
 #[test]
+fn a_robot_that_is_shifted_goes_on_from_there_or_stays_where_it_was() {
+    let robots = vec![
+        racer("tom", Role::Neutral, 0.0, 0.0, 0.0),
+        racer("jerry", Role::Neutral, 3.0, 0.0, 0.0),
+    ];
+    let wall = vec![testing::circle([0.0, 3.0], 1.0)];
+    let mut world = world(room(wall), robots, RulesSpec::default());
+    let go = [drive(1.0, 0.0), drive(1.0, 0.0)];
+    world.step(&go, TICK);
+    let before = world.robots().to_vec();
+    for (x, y, words) in [
+        (5.5, 0.0, "is outside the map"),
+        (f64::NAN, 0.0, "is outside the map"),
+        (0.0, 1.95, "is in a wall: at (0, 1.95)"),
+        (3.1, 0.1, "\"jerry\" and robots[0] \"tom\" overlap"),
+    ] {
+        let error = world.shift(&[(0, Pose2::new(x, y, 0.0))]).unwrap_err();
+        assert!(error.to_string().contains(words), "{error}");
+        assert_eq!(world.robots(), before);
+    }
+    // Both at once, each to the place of the other.
+    let [a, b] = [before[0].pose, before[1].pose];
+    world.shift(&[(0, b), (1, a), (9, a)]).unwrap();
+    world.step(&go, TICK);
+    assert!((world.robots()[0].pose.x - 3.1).abs() < 1e-12);
+    assert!((world.robots()[0].distance_travelled - 0.1).abs() < 1e-12);
+}
+
+#[test]
 fn a_robot_outside_of_the_simulation_is_where_it_was_measured() {
     let robots = vec![
         racer("real", Role::Neutral, 0.0, 0.0, 0.0),

@@ -35,7 +35,7 @@ fn missing_and_overlapping_robots_are_refused() {
     ];
     expect![[r#"
         robots: the world has no robots: expected at least one
-        robots[0] "tom" and robots[1] "jerry" overlap at the start: their centres are 0.1000 m apart: expected at least 0.2000 m
+        robots[0] "tom" and robots[1] "jerry" overlap: their centres are 0.1000 m apart: expected at least 0.2000 m
         robots[1] is called "tom" like robots[0]: expected unique names"#]].assert_eq(&messages(cases.map(|robots| (room(vec![]), robots))));
 }
 
@@ -48,9 +48,9 @@ fn a_robot_in_a_wall_or_outside_is_named_with_its_place_and_the_room_it_needs() 
         (room(vec![]), vec![robot("tom", 4.95, 0.0)]),
     ];
     expect![[r#"
-        robots[0] "tom" starts in a wall: at (1.05, 0) the nearest obstacle is 0.0500 m away: expected at least its radius of 0.1 m
-        robots[0] "tom" starts at (5.5, 0), outside the map: expected x in [-5, 5] and y in [-5, 5] [m]
-        robots[0] "tom" starts in a wall: at (4.95, 0) the nearest obstacle is 0.0500 m away: expected at least its radius of 0.1 m"#]].assert_eq(&messages(cases));
+        robots[0] "tom" is in a wall: at (1.05, 0) the nearest obstacle is 0.0500 m away: expected at least its radius of 0.1 m
+        robots[0] "tom" is outside the map: at (5.5, 0): expected x in [-5, 5] and y in [-5, 5] [m]
+        robots[0] "tom" is in a wall: at (4.95, 0) the nearest obstacle is 0.0500 m away: expected at least its radius of 0.1 m"#]].assert_eq(&messages(cases));
 }
 
 #[test]

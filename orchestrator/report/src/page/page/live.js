@@ -56,7 +56,7 @@ const live = {
       while (lines.length > 1) {
         const line = [...parts, lines.shift()].join('');
         parts = [];
-        this.isOver = /"live":\{[^}]*"ended":true/.test(line) || line.startsWith('{"error"');
+        this.isOver = line.includes('"ended":true,"now_s"') || line.startsWith('{"error"');
         this.put(line);
       }
       parts.push(lines[0]);
@@ -70,6 +70,13 @@ async function untilFree() {
   while (isPressed || document.activeElement?.tagName === 'SELECT') await sleep(50);
 }
 
+/** Shows that the mission has ended; its server may make branches of it. */
+function endLive(source) {
+  sayLive('ended');
+  control('live').hidden = true;
+  if (source.facts.live.control && source.facts.digest) whatIf.offer(source);
+}
+
 /** Shows newer data as they come, to those of the end. */
 async function showLive(ended) {
   for (const [name, pressed] of [['pointerdown', true], ['pointerup', false], ['pointercancel', false]]) {
@@ -81,14 +88,14 @@ async function showLive(ended) {
       const { facts, data } = await live.next();
       await untilFree();
       const began = performance.now();
-      mount(facts, data);
+      mount({ facts, data });
       clock.grow(clock.viewers[0].end, facts.live);
+      world.show(facts.live.control);
       ({ ended } = facts.live);
+      if (ended) endLive({ facts, data });
       // A slow machine shows fewer of them.
       await sleep(3 * (performance.now() - began));
     }
-    sayLive('ended');
-    control('live').hidden = true;
   } catch (error) {
     sayLive(error.message);
   }

@@ -12,6 +12,7 @@ const player = {
       view.fitted = false;
     }
     drawMap(t, this.followed, this.trail);
+    if (isOriginal && whatIf.source) drawPlaces(t);
     // Their axes may be longer than this run.
     drawEvents(now);
     drawPlots(now);
@@ -24,6 +25,35 @@ const player = {
     clock.redraw();
   },
 };
+
+/** Draws robots where they are moved to. */
+function drawPlaces(t) {
+  inMetres(paint);
+  for (const [name, [x, y]] of whatIf.places) {
+    const robot = facts.robots.findIndex((own) => own.name === name);
+    const from = robotBetween(robot, t);
+    paint.strokeStyle = robotColour(robot);
+    paint.lineWidth = 2 / view.scale;
+    paint.setLineDash([6 / view.scale, 4 / view.scale]);
+    paint.beginPath(); paint.moveTo(from.x, from.y); paint.lineTo(x, y); paint.stroke();
+    paint.setLineDash([]);
+    paint.beginPath(); paint.arc(x, y, Math.max(facts.robots[robot].radius, 7 / view.scale), 0, 2 * Math.PI); paint.stroke();
+  }
+  whatIf.draw();
+}
+
+/** The robot of the original under a point of the map (px), where it may be moved; undefined without. */
+function movableAt(px, py) {
+  if (!isOriginal || !whatIf.source) return undefined;
+  const distances = facts.robots.map(({ name, radius }, robot) => {
+    const state = robotBetween(robot, Math.min(clock.t, end));
+    const [x, y] = toScreen(...(whatIf.places.get(name) ?? [state.x, state.y]));
+    const isNear = state.status === 0 && Math.hypot(x - px, y - py) < Math.max(14, radius * view.scale);
+    return { name, distance: isNear ? Math.hypot(x - px, y - py) : Infinity };
+  });
+  const nearest = distances.reduce((a, b) => (a.distance <= b.distance ? a : b));
+  return nearest.distance < Infinity ? nearest.name : undefined;
+}
 
 /** Redraws everything after a change of size or colours. */
 function refresh() {
@@ -54,7 +84,9 @@ map.addEventListener('wheel', (event) => {
   clock.redraw();
 }, { passive: false });
 const fingers = new Map();
+let moved;
 map.addEventListener('pointerdown', (event) => {
+  if (!fingers.size) moved = movableAt(event.offsetX, event.offsetY);
   map.setPointerCapture(event.pointerId);
   fingers.set(event.pointerId, [event.offsetX, event.offsetY]);
 });
@@ -63,7 +95,9 @@ map.addEventListener('pointermove', (event) => {
   if (!before) return;
   const now = [event.offsetX, event.offsetY];
   const other = [...fingers].find(([id]) => id !== event.pointerId)?.[1];
-  if (other) {
+  if (moved && !other) {
+    whatIf.place(moved, toWorld(...now));
+  } else if (other) {
     const apart = (p) => Math.hypot(p[0] - other[0], p[1] - other[1]);
     zoom(apart(now) / Math.max(apart(before), 1), other[0], other[1]);
   } else {

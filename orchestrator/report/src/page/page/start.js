@@ -16,23 +16,13 @@ if (isLive) {
     return;
   }
 }
-const isPair = sources.length > 1;
-const compared = control('compared');
-if (compared) clock.difference = showDifference(JSON.parse(compared.textContent));
-document.body.classList.toggle('pair', isPair);
-
-/** Shows a run; newer data in place of the old ones. */
-function mount(facts, data) {
-  const [shown] = isLive ? clock.viewers : [];
-  const before = shown?.settings();
-  const focused = document.activeElement?.id;
-  shown?.close();
-  if (isLive) control('runs').replaceChildren();
+/** Builds a run on the page; one of a pair in a tree of its own, since both have the same elements. */
+function build({ facts, data }, before) {
   const host = element('div', { className: 'run' });
   control('runs').append(host);
+  const isPair = document.body.classList.contains('pair');
   let root = document;
   if (isPair) {
-    // Two instances of the same elements on a page: each in a tree of its own.
     root = host.attachShadow({ mode: 'open' });
     root.append(control('style').cloneNode(true), control('viewer').content.cloneNode(true));
   } else {
@@ -40,26 +30,48 @@ function mount(facts, data) {
     // Those of a running mission stay where they are while the rest is replaced.
     if (!isLive) control('bar').prepend(control('controls'));
   }
-  const run = viewer(root, facts, data, before);
-  if (!shown) {
-    clock.viewers.push(run);
-    return;
-  }
+  return viewer(root, facts, data, before, control('runs').firstChild === host);
+}
+
+/** Shows newer data of the run in place of the old ones. */
+function mount(source) {
+  const [shown] = clock.viewers;
+  const focused = document.activeElement?.id;
+  const before = shown.settings();
+  shown.close();
+  control('runs').replaceChildren();
+  const run = build(source, before);
   clock.viewers = [run];
   Object.assign(window.protean, run.open);
   if (!document.activeElement?.id && focused) control(focused)?.focus({ preventScroll: true });
   run.refresh();
 }
-for (const { facts, data } of sources) mount(facts, data);
-if (isPair) {
-  const [first, second] = clock.viewers;
+
+/** Shows a run, or two side by side with their differences, in place of those before. */
+function showRuns(runs, differences) {
+  clock.viewers.forEach((run) => run.close());
+  const isPair = runs.length > 1;
+  document.body.classList.toggle('pair', isPair);
   const hosts = ['timeline', 'curves'].map(control);
-  for (const host of hosts) host.hidden = false;
-  first.share(second, ...hosts);
-  control('curves-hint').prepend('Solid: first run; dashed: second run. ');
+  for (const host of [...hosts, control('difference')]) host.hidden = true;
+  for (const id of ['runs', 'curves', 'difference']) control(id).replaceChildren();
+  control('events')?.remove();
+  clock.difference = differences ? showDifference(differences) : NaN;
+  clock.viewers = runs.map((source) => build(source));
+  if (isPair) {
+    const [first, second] = clock.viewers;
+    for (const host of hosts) host.hidden = false;
+    first.share(second, ...hosts);
+    control('curves-hint').prepend('Solid: first run; dashed: second run. ');
+  }
+  clock.end = Math.max(...clock.viewers.map((run) => run.end));
+  control('scrub').max = clock.end;
+  if (!window.protean) return;
+  Object.assign(window.protean, clock.viewers[0].open);
+  clock.viewers.forEach((run) => run.refresh());
 }
-clock.end = Math.max(...clock.viewers.map((run) => run.end));
-control('scrub').max = clock.end;
+const compared = control('compared');
+showRuns(sources, compared && JSON.parse(compared.textContent));
 
 for (const speed of SPEEDS) control('speed').append(element('option', { value: String(speed), textContent: `${speed}×` }));
 clock.setSpeed(SPEEDS.find((speed) => speed >= 1 && clock.end / speed <= LONGEST_PLAY) ?? SPEEDS.at(-1));
@@ -84,13 +96,14 @@ const KEYS = {
   0: all((run) => run.showAll()),
   n: () => clock.toEvent(1), p: () => clock.toEvent(-1), ']': () => clock.toEvent(1), '[': () => clock.toEvent(-1),
   l: () => { if (clock.isRunning) clock.follow(); },
+  h: () => world.hold(), s: () => world.step(), '<': () => world.changePace(-1), '>': () => world.changePace(1),
   f: all((run) => run.followNext()),
   '?': () => control('keys').showModal(),
 };
 document.addEventListener('keydown', (event) => {
   const at = event.composedPath()[0];
   if (event.ctrlKey || event.altKey || event.metaKey || control('keys').open) return;
-  if (at.tagName === 'SELECT' || (at.tagName === 'INPUT' && at.type !== 'range' && event.key === ' ')) return;
+  if (['SELECT', 'TEXTAREA'].includes(at.tagName) || (at.tagName === 'INPUT' && at.type !== 'range' && event.key === ' ')) return;
   // A focused button or section handles the space key.
   if (event.key === ' ' && (at.tagName === 'BUTTON' || at.tagName === 'SUMMARY')) return;
   const action = KEYS[event.key];
@@ -121,8 +134,10 @@ window.protean = {
 if (isLive) {
   control('live').hidden = false;
   clock.grow(clock.end, sources[0].facts.live);
+  world.show(sources[0].facts.live.control);
   if (clock.isRunning) clock.follow();
-  showLive(sources[0].facts.live.ended);
+  else endLive(sources[0]);
+  showLive(!clock.isRunning);
 } else clock.t = Math.min(clock.end, clock.addressed() >= 0 ? clock.addressed() : Math.min(...clock.viewers.map((run) => run.opening)));
 refreshAll();
 clock.draw();
