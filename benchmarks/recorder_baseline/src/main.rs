@@ -43,7 +43,7 @@ struct Message {
     bytes: Vec<u8>,
 }
 
-/// What `cu29-unifiedlog` encodes: the fields that the others have in their message headers, and the bytes.
+/// Message for `cu29-unifiedlog`: the fields that the others have in their message headers, and the bytes.
 #[derive(bincode::Encode)]
 struct Record<'a>(u16, u32, u64, &'a [u8]);
 

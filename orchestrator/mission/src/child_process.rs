@@ -9,6 +9,7 @@ use std::process::ExitStatus;
 use std::sync::mpsc::SyncSender;
 use std::time::{Duration, Instant};
 
+use platform::output_lines::{OutputLine, OutputLines};
 use platform::program;
 use platform::spawn::{self, Child, Program};
 use runtime::config::CONFIG_VARIABLE;
@@ -17,7 +18,6 @@ use rustix::pipe::{PipeFlags, pipe_with};
 use rustix::process::{Signal, WaitId, WaitIdOptions, WaitOptions};
 
 use super::orphans;
-use super::output_lines::{OutputLine, OutputLines};
 
 /// Maximum time for the system to end a killed process.
 const KILL_TIMEOUT: Duration = Duration::from_secs(5);

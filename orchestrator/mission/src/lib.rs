@@ -3,7 +3,7 @@
 //!
 //! * [`plan`], `launch`, `obstacle_schedule`: configuration of every process; [`dataflow`]: its picture;
 //! * [`run_directory`], `resources`, `shm_usage`, `orphans`: resources of a run, and of abandoned runs;
-//! * [`child_process`], `output_lines`, [`process_group`]: processes and their turns;
+//! * [`child_process`], [`process_group`]: processes and their turns;
 //! * `supervisor`, `decide`, `executor`, `process_log`: events of processes and the reactions;
 //! * `recording`, `fields_of_view`, `recorder_thread`, `progress`, `team_colours`, [`report`]: log, display and summary;
 //! * `run`: a run with operating-system processes; [`in_process`]: a run in one thread of this process.
@@ -18,7 +18,6 @@ pub mod in_process;
 mod launch;
 mod obstacle_schedule;
 mod orphans;
-mod output_lines;
 pub mod plan;
 pub mod process_group;
 mod process_log;

@@ -8,10 +8,10 @@ use ipc_types::bus::{Publisher, PublisherOptions};
 use ipc_types::messages::process::{LogHeader, ProcessEvent};
 use ipc_types::stamp::{PlainHeader, Stamp};
 use ipc_types::topics::{ProcessEvents, ProcessLog};
+use platform::output_lines::{MAX_TEXT_BYTES, OutputLine, begins_panic};
 
 use super::error::MissionError;
 use super::launch::Launch;
-use super::output_lines::{MAX_TEXT_BYTES, OutputLine, begins_panic};
 use super::plan::Plan;
 use super::recorder_thread::DrainRequests;
 use super::resources::RunResources;

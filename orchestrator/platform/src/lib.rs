@@ -9,6 +9,7 @@ pub mod fork;
 pub mod limits;
 pub mod machine;
 pub mod output_format;
+pub mod output_lines;
 pub mod own_file;
 pub mod presence;
 pub mod proc;

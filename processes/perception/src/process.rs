@@ -237,13 +237,14 @@ impl PerceptionProcess {
         // Processes of one thread build it once.
         let space = match self.map.derived::<OnceLock<Arc<Space>>>() {
             None => make()?,
-            Some(shared) => match shared.get() {
-                Some(known) => Arc::clone(known),
-                None => {
+            Some(shared) => {
+                if let Some(known) = shared.get() {
+                    Arc::clone(known)
+                } else {
                     let made = make()?;
                     Arc::clone(shared.get_or_init(|| made))
                 }
-            },
+            }
         };
         if let Some(perception) = &mut self.perception {
             perception.set_map(space);

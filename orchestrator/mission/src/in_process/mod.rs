@@ -33,11 +33,11 @@ use std::time::Instant;
 use ipc_types::bus::{Bus, Publisher, PublisherOptions};
 use ipc_types::stamp::Stamp;
 use ipc_types::topics::{ObstacleEvents, ProcessLog};
+use platform::output_lines::MAX_TEXT_BYTES;
 use runtime::maps::Maps;
 
 use self::local_run::LocalRun;
 use super::error::{InProcessError, MissionError};
-use super::output_lines::MAX_TEXT_BYTES;
 use super::plan::Plan;
 use super::process_log::{line_header, remark_lines};
 use super::progress::{EventPrinter, Progress};

@@ -82,9 +82,7 @@ impl LivePage {
                 facts.insert("missing".to_owned(), json!(content.notes));
             }
         }
-        let data: Json = page.data.into();
-        Ok(Some(
-            json!({ "facts": page.facts, "data": data }).to_string(),
-        ))
+        let data = json!({ "facts": page.facts, "data": page.data });
+        Ok(Some(data.to_string()))
     }
 }

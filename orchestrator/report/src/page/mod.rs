@@ -184,20 +184,12 @@ fn fit_bounds(content: &mut PageContent) {
     if static_scene.min != static_scene.max {
         return;
     }
-    let starts = content
-        .scenario
-        .robots
-        .iter()
-        .map(|r| (r.start.x, r.start.y));
+    let robots = content.scenario.robots.iter();
+    let starts = robots.map(|r| (r.start.x, r.start.y));
     let states = content.frames.iter().flat_map(|f| &f.item.robots);
     for (x, y) in starts.chain(states.map(|s| (s.x, s.y))) {
-        static_scene.min = [
-            static_scene.min[0].min(x - 1.0),
-            static_scene.min[1].min(y - 1.0),
-        ];
-        static_scene.max = [
-            static_scene.max[0].max(x + 1.0),
-            static_scene.max[1].max(y + 1.0),
-        ];
+        let ([left, bottom], [right, top]) = (static_scene.min, static_scene.max);
+        static_scene.min = [left.min(x - 1.0), bottom.min(y - 1.0)];
+        static_scene.max = [right.max(x + 1.0), top.max(y + 1.0)];
     }
 }

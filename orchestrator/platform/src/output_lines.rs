@@ -7,7 +7,7 @@ use std::sync::mpsc::{self, Receiver, SyncSender};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-use platform::eprintln;
+use crate::eprintln;
 
 /// Number of last lines of a process that are stored, to be shown if it fails.
 const MAX_STORED_LINES: usize = 20;
@@ -19,7 +19,7 @@ const LAST_LINES_TIMEOUT: Duration = Duration::from_millis(500);
 const MAX_LINE_BYTES: u64 = 2048;
 /// Maximum length of a forwarded line (bytes): a byte that is not UTF-8 becomes three bytes, and a mark shows that
 /// the line was cut.
-pub(super) const MAX_TEXT_BYTES: usize = MAX_LINE_BYTES as usize * 3 + 64;
+pub const MAX_TEXT_BYTES: usize = MAX_LINE_BYTES as usize * 3 + 64;
 
 /// A line of a process's output.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -32,7 +32,7 @@ pub struct OutputLine {
 
 /// The last lines of a process, read by a thread.
 #[derive(Debug)]
-pub(super) struct OutputLines {
+pub struct OutputLines {
     kept: Arc<Mutex<LastLines>>,
     /// `true` if every line has been shown already.
     echo: bool,
@@ -46,7 +46,7 @@ impl OutputLines {
     ///
     /// # Errors
     /// The error of the system if no thread can be started: without a reader, the process would block.
-    pub(super) fn read(
+    pub fn read(
         output: File,
         name: &str,
         slot: usize,
@@ -83,14 +83,14 @@ impl OutputLines {
 
     /// Waits for the last lines of a process that has ended, until its end of the pipe is closed. A process outside its
     /// group may keep the pipe open.
-    pub(super) fn finish(&mut self) {
+    pub fn finish(&mut self) {
         if let Some(reader) = self.reader.take() {
             let _ = reader.recv_timeout(LAST_LINES_TIMEOUT);
         }
     }
 
     /// Returns the stored lines; the oldest comes first. Of lines that have been shown, only those that name the cause.
-    pub(super) fn last(&self) -> Vec<String> {
+    pub fn last(&self) -> Vec<String> {
         let lines = |kept: &LastLines| {
             if self.echo {
                 kept.cause()
@@ -104,7 +104,7 @@ impl OutputLines {
 }
 
 /// Returns `true` if a line begins the message of a panic.
-pub(super) fn begins_panic(line: &str) -> bool {
+pub fn begins_panic(line: &str) -> bool {
     line.contains("panicked at")
 }
 
