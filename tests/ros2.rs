@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use rustix::process::{Pid, PidfdFlags, Signal};
 use serde_json::Value as Json;
@@ -46,17 +46,20 @@ answer_timeout_s = 8.0
 start_timeout_s = 50.0
 "#;
 
+/// Time for a node to end.
+const NODE_END: Duration = Duration::from_secs(5);
+
 /// A node that is ended with its test.
 struct RosNode(Child);
 
 impl Drop for RosNode {
-    /// Fast DDS removes its shared memory at an orderly end alone.
+    /// Fast DDS removes its shared memory at an orderly end alone, and can lock itself there.
     fn drop(&mut self) {
         let pid = Pid::from_child(&self.0);
         let open = rustix::process::pidfd_open(pid, PidfdFlags::empty());
         // It may have ended by itself.
         signal(self.0.id(), Signal::TERM);
-        if !open.is_ok_and(|node| wait(&node, Instant::now() + SOON)) {
+        if !open.is_ok_and(|node| wait(&node, Instant::now() + NODE_END)) {
             let _ = self.0.kill();
         }
         self.0.wait().unwrap();
