@@ -76,7 +76,9 @@ pub fn least_time(speeds: &Speeds, from: &Pose2, to: Point2<f64>, heading: Headi
     let words = words::reeds_shepp(from, &goal, speeds.v / speeds.omega);
     let fastest = words.iter().map(words::Word::cost).min_by(f64::total_cmp);
     let both_ways = fastest.map_or(0.0, |cost| cost * (1.0 - ROUNDING) / speeds.v);
-    bound.max(both_ways)
+    // The search for the best direction can end at another one, where the place alone takes longer.
+    let free = least_time(speeds, from, to, Heading::Free);
+    bound.max(both_ways).max(free)
 }
 
 /// The bound (s) by the progress along one direction (rad).
