@@ -211,8 +211,8 @@ fn run(count: u64) {
 /// A run that goes on beside the calls, and the remains of another.
 fn clean(count: u64) {
     let living = Sandbox::new();
-    // So slow that it does not end by itself, however long the calls take.
-    let words = "run chase --quiet --out run.mcap --set run.dt=0.0005 --set rules.time_limit=40000 \
+    // So slow that it does not end by itself, however long the calls take, and leaves the processors to them.
+    let words = "run chase --quiet --out run.mcap --pace 1 --set rules.time_limit=40000 \
                  --set teams.evader.limits.v_max=0.01 --set teams.police.limits.v_max=0.01";
     let mut running = living
         .protean(words.split_whitespace())
