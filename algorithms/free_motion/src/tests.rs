@@ -85,11 +85,11 @@ fn a_free_heading_costs_no_more_than_any_prescribed_one() {
 
 #[test]
 fn a_heading_at_the_goal_does_not_lower_the_bound() {
-    let a = Pose2::new(3.966013058009141, 1.6316387811706843, 1.1432697093715207);
-    let b = Pose2::new(1.3800466714958597, 0.3816813144107242, -2.4631013544137366);
+    let a = Pose2::new(3.966_013, 1.631_639, 1.143_270);
+    let b = Pose2::new(1.380_047, 0.381_681, -2.463_101);
     let speeds = Speeds {
-        v: 2.6775357931714114,
-        omega: 0.697391055973321,
+        v: 2.677_536,
+        omega: 0.697_391,
         reverse: false,
     };
     let bound = |heading| least_time(&speeds, &a, b.position(), heading);
