@@ -227,7 +227,11 @@ impl<'a> Player<'a> {
             let stamp = ours.and_then(|message| known::stamp(&message.data));
             self.now = (stamp.map_or(self.now.0, |stamp| stamp.tick), time);
             for message in &tick {
-                self.send(message)?;
+                match self.send(message) {
+                    // The signal also ends a send that waits for a subscriber, with an error.
+                    Err(_) if watch.interrupted.load(Ordering::Relaxed) => return Ok(false),
+                    sent => sent?,
+                };
             }
             if let Some(stamp) = stamp {
                 self.leader.post_without_waiting(stamp.tick);
