@@ -172,12 +172,17 @@ impl Viewer {
 
     /// The first words: what the server is, and its channels by topic.
     fn greeted(&mut self) -> (Json, BTreeMap<String, Json>) {
+        self.greeted_with(&["/rosout", "world/state"])
+    }
+
+    /// As [`Self::greeted`], until these topics are announced: a replay announces its topics one after the other.
+    fn greeted_with(&mut self, topics: &[&str]) -> (Json, BTreeMap<String, Json>) {
         let Some(Received::Text(info)) = self.receive() else {
             panic!("no greeting");
         };
         assert!(matches!(self.receive(), Some(Received::Time(_))));
         let mut channels = BTreeMap::new();
-        while !channels.contains_key("/rosout") || !channels.contains_key("world/state") {
+        while !topics.iter().all(|topic| channels.contains_key(*topic)) {
             if let Some(Received::Text(text)) = self.receive() {
                 assert_eq!(text["op"], "advertise");
                 for channel in text["channels"].as_array().unwrap() {

@@ -48,9 +48,9 @@ fn a_replay_shows_all_that_the_log_holds() {
     let evil = Viewer::connect(replay.url(), Some("https://evil.example"), NOW).err();
     assert_eq!(evil, Some(StatusCode::FORBIDDEN));
     let mut viewer = Viewer::connect(replay.url(), None, NOW).unwrap();
-    let (info, channels) = viewer.greeted();
-    assert_eq!(info["capabilities"], json!(["time"]));
     let topics: Vec<&str> = log.messages.keys().map(String::as_str).collect();
+    let (info, channels) = viewer.greeted_with(&topics);
+    assert_eq!(info["capabilities"], json!(["time"]));
     assert!(topics.contains(&"/fields_of_view") && topics.contains(&"perception/belief"));
     for topic in &topics {
         log.is_announced(topic, &channels[*topic]);
