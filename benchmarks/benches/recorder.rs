@@ -1,7 +1,5 @@
 //! Cost of recording, in CPU time of the recorder's thread, so that other load does not count.
 //!
-//! * `log`: `LogWriter` against the bare `mcap` crate with the same messages and the same
-//!   compression; goal ≥ 0.8× the throughput.
 //! * `compression`: levels and chunk sizes; the sizes of the files are printed.
 //! * `tick`: all work of a recorder for one tick of a chase (goal < 60 µs), by part.
 
@@ -20,8 +18,6 @@ use ipc_types::messages::robot::{Command, PlanHeader, PlanPoint};
 use ipc_types::messages::world::{RobotState, WorldHeader};
 use ipc_types::stamp::{PlainHeader, Stamp};
 use ipc_types::topics::{Belief, Commands, Plan, Sightings, Topic, WorldState};
-use mcap::WriteOptions;
-use mcap::records::MessageHeader;
 use mcap_log::{ChannelSpec, Compression, LogOptions, LogWriter, Manifest};
 use recorder::{ProcessInfo, Recording, RobotInfo, RunInfo};
 use viewer::{ViewerOptions, viewer_topics};
@@ -239,34 +235,6 @@ fn write_ours(path: &Path, options: &LogOptions, messages: &[(usize, u64, Vec<u8
     log.finish().unwrap().file_bytes
 }
 
-fn write_bare(path: &Path, options: &LogOptions, messages: &[(usize, u64, Vec<u8>)]) {
-    let Compression::Zstd(level) = options.compression else {
-        panic!("benches compress")
-    };
-    let mut log = WriteOptions::new()
-        .compression_level(level.cast_unsigned())
-        .compression_threads(0)
-        .chunk_size(Some(options.chunk_bytes))
-        .create(std::fs::File::create(path).unwrap())
-        .unwrap();
-    let channels = CHANNELS.map(|topic| {
-        let schema = log.add_schema("", "", &[]).unwrap();
-        log.add_channel(schema, topic, "cdr", &BTreeMap::new())
-            .unwrap()
-    });
-    for (i, (channel, time, bytes)) in messages.iter().enumerate() {
-        let header = MessageHeader {
-            channel_id: channels[*channel],
-            sequence: i as u32,
-            log_time: *time,
-            publish_time: *time,
-        };
-        log.write_to_known_channel(&header, bytes).unwrap();
-    }
-    log.finish().unwrap();
-    log.into_inner().sync_all().unwrap();
-}
-
 fn record(path: &Path, log: &LogOptions, viewer: &ViewerOptions, ticks: &[Tick]) {
     let run = run_info();
     let log = LogWriter::create(path, log, &Manifest::default()).unwrap();
@@ -367,24 +335,6 @@ fn benches(c: &mut Criterion) {
         messages.len() as u64 / TICKS,
         bytes / TICKS
     );
-
-    let mut group = c.benchmark_group("log");
-    group.throughput(Throughput::Bytes(bytes)).sample_size(10);
-    let options = log_options(
-        LogOptions::default().compression,
-        LogOptions::default().chunk_bytes,
-    );
-    group.bench_function("ours", |b| {
-        b.iter_custom(|n| {
-            cpu_of(n, || {
-                write_ours(&path, &options, &messages);
-            })
-        });
-    });
-    group.bench_function("mcap crate alone", |b| {
-        b.iter_custom(|n| cpu_of(n, || write_bare(&path, &options, &messages)));
-    });
-    group.finish();
 
     let mut group = c.benchmark_group("compression");
     group
