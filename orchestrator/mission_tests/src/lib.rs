@@ -6,6 +6,7 @@
 //! [`Baseline`] of a later one. [`fn@update`] writes accepted digests and outcomes into the files.
 
 mod baseline;
+mod edit;
 mod error;
 mod evaluate;
 mod expectation;
