@@ -123,6 +123,7 @@ fn a_command_changes_the_history_from_its_moment_on_and_not_before() {
         "branch a.mcap --at 9",
         "branch a.mcap --at 3 --set run.seed=4",
         "branch a.mcap --at 3 --reseed unknown",
+        "branch a.mcap --at 3 --draw teams.police.limits.v_max=0.2..0.1",
         "decided a.mcap --moments 0",
         "decided a.mcap --share 1",
     ] {

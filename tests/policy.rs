@@ -51,7 +51,12 @@ fn a_mission_has_one_digest_with_processes_in_one_and_from_its_log_alone() {
     let sandbox = Sandbox::new();
     prepare(&sandbox);
     let mut lines = String::new();
-    for (options, seed) in [("", "1"), ("ticks_per_action=4", "1"), ("", "2")] {
+    for (options, seed) in [
+        ("", "1"),
+        ("ticks_per_action=4", "1"),
+        ("exploration=0.3", "1"),
+        ("", "2"),
+    ] {
         let set = format!("processes.policy.params.{options}");
         let set = (!options.is_empty()).then_some(set.as_str());
         let digest = digest(&sandbox, "chase.toml", seed, set);

@@ -146,6 +146,7 @@ _CHECKS: dict[str, Callable[[str, Any], Any]] = {
     "at": number,
     "command": mapping,
     "continuations": count,
+    "draw": mapping,
     "duration": number,
     "experiment": path,
     "fps": number,

@@ -9,6 +9,7 @@ from ._program import json_of, overrides
 
 def arguments(
     set: Mapping[str, Any] | None,
+    draw: Mapping[str, Any] | None,
     replace: Mapping[str, Any] | None,
     command: Mapping[str, Any] | None,
     place: Mapping[str, Any] | None,
@@ -18,6 +19,7 @@ def arguments(
 ) -> list[str]:
     """The options of a change, as `protean branch` takes them."""
     given = [f"--set={change}" for change in overrides(set)]
+    given += [f"--draw={key}={_range(key, bounds)}" for key, bounds in (draw or {}).items()]
     given += [f"--replace={process}={_kind(process, kind)}" for process, kind in (replace or {}).items()]
     given += [f"--command={robot}={_twist(robot, twist)}" for robot, twist in (command or {}).items()]
     given += [f"--place={robot}={_place(robot, pose)}" for robot, pose in (place or {}).items()]
@@ -25,6 +27,14 @@ def arguments(
     if duration is not None:
         given.append(f"--for={duration!r}")
     return given + ["--allow-external"] * allow_external
+
+
+def _range(key: str, bounds: Any) -> str:
+    try:
+        low, high = (number if isinstance(number, int) else float(number) for number in bounds)
+    except (TypeError, ValueError, OverflowError):
+        raise refused(f"draw: {key}", bounds, "the least and the greatest value") from None
+    return f"{low!r}..{high!r}"
 
 
 def _kind(process: str, kind: Any) -> str:

@@ -312,6 +312,7 @@ class Log:
         at: float,
         *,
         set: Mapping[str, Any] | None = None,
+        draw: Mapping[str, tuple[float, float]] | None = None,
         replace: Mapping[str, Any] | None = None,
         command: Mapping[str, Any] | None = None,
         place: Mapping[str, Any] | None = None,
@@ -332,6 +333,8 @@ class Log:
             Simulated time from which on the change counts (s), a multiple of the tick.
         set
             Values of the scenario that change, by their dotted keys.
+        draw
+            Values that are drawn by the number of the random streams: the least and the greatest, by their dotted keys.
         replace
             Other kinds, by the name of the process.
         command
@@ -371,7 +374,7 @@ class Log:
         >>> branch.info["sim_time_s"] > run.time
         True
         """
-        change = _branch.arguments(set, replace, command, place, duration, reseed, allow_external)
+        change = _branch.arguments(set, draw, replace, command, place, duration, reseed, allow_external)
         path = os.fspath(out) if out is not None else None
         return Log(_branch.branch(os.fspath(self.path), at, seed, path, force, change))
 
@@ -383,6 +386,7 @@ class Log:
         continuations: int = 20,
         share: float = 0.9,
         set: Mapping[str, Any] | None = None,
+        draw: Mapping[str, tuple[float, float]] | None = None,
         replace: Mapping[str, Any] | None = None,
         command: Mapping[str, Any] | None = None,
         place: Mapping[str, Any] | None = None,
@@ -400,8 +404,8 @@ class Log:
             Number of continuations from each moment.
         share
             Share of the recorded outcome from which on it counts as decided, above 0 and below 1.
-        set, replace, command, place, duration, reseed, allow_external
-            The change of all continuations, as in `branch`; other streams of all processes if `reseed` is None.
+        set, draw, replace, command, place, duration, reseed, allow_external
+            The change of all continuations, as in `branch`; other streams of all processes if `draw` and `reseed` are None.
 
         Returns
         -------
@@ -425,7 +429,7 @@ class Log:
         >>> decision["robot"], decision["outcome"], decision["between_s"]
         ('robot', 'escaped', [0.0, 0.0])
         """
-        change = _branch.arguments(set, replace, command, place, duration, reseed, allow_external)
+        change = _branch.arguments(set, draw, replace, command, place, duration, reseed, allow_external)
         return _branch.decided(os.fspath(self.path), moments, continuations, share, change)
 
     @checked

@@ -174,12 +174,12 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     "Log.picture": (lambda **a: log().picture(**a), {"out": "a.svg", "at": 0.1, "force": True}),
     "Log.branch": (
         lambda **a: log().branch(**a),
-        {"at": 0.1, "set": {}, "replace": {}, "command": {"robot": (0.1, 0.0)}, "place": {}, "duration": 0.1, "reseed": ["all"], "seed": 2}
+        {"at": 0.1, "set": {}, "draw": {}, "replace": {}, "command": {"robot": (0.1, 0.0)}, "place": {}, "duration": 0.1, "reseed": ["all"], "seed": 2}
         | {"out": "branch.mcap", "force": True, "allow_external": False},
     ),
     "Log.decided": (
         lambda **a: log().decided(**a),
-        {"moments": 1, "continuations": 1, "share": 0.9, "set": {}, "replace": {}, "command": {}, "place": {}, "duration": None, "reseed": None}
+        {"moments": 1, "continuations": 1, "share": 0.9, "set": {}, "draw": {}, "replace": {}, "command": {}, "place": {}, "duration": None, "reseed": None}
         | {"allow_external": False},
     ),
     "Steering": (pr.Steering, {"v": 1.0, "omega": 1.0, "target": 1, "aim": POINT, "waypoint": POINT}),

@@ -50,6 +50,19 @@ def test_a_robot_goes_on_from_the_place_that_it_is_given(tmp_path: Path) -> None
     assert found == pytest.approx([x, y, 0.25])
 
 
+def test_values_are_drawn_from_their_range(chase: pr.Run, tmp_path: Path) -> None:
+    speeds = []
+    for seed in (1, 2):
+        draw = {"teams.police.limits.v_max": (0.04, 0.06)}
+        branch = chase.branch(6.0, draw=draw, seed=seed, out=tmp_path / f"{seed}.mcap")
+        state = branch["world/state"].to_numpy()
+        police = (state["robots.team"] == 1) & (state["stamp.time_ns"] > 7_000_000_000)
+        speeds.append(state["robots.v"][police].max())
+    assert 0.04 <= min(speeds) < max(speeds) <= 0.06
+    with pytest.raises(pr.InvalidInput, match="LOW < HIGH"):
+        chase.branch(6.0, draw={"teams.police.limits.v_max": (2.0, 1.0)}, out=tmp_path / "none.mcap")
+
+
 def test_outcomes_are_decided_at_a_moment_or_not_before_the_end(chase: pr.Run) -> None:
     report = chase.decided(moments=3, continuations=4, share=0.5)
     assert [moment["continuations"] >= 4 for moment in report["moments"]] == [True] * len(report["moments"])

@@ -70,6 +70,11 @@ fn a_branch_is_its_parent_before_the_moment_and_can_be_repeated_and_branched() {
             place: strings(&["police_1=1.5,1.5,0.5", "police_2=-4.5,-1.5"]),
             ..Change::default()
         },
+        Change {
+            draw: strings(&["teams.police.limits.v_max=0.04..0.06"]),
+            seed: 3,
+            ..Change::default()
+        },
     ];
     for change in &changes {
         let done = branch(&parent, 3.0, change, &out);

@@ -9,7 +9,7 @@ use mcap_log::{LogReadError, Origin};
 use mission::MissionError;
 use mission::in_process::{Branch, GivenCommand, GivenPlace};
 use mission::plan::Plan;
-use rand::Rng as _;
+use rand::{Rng as _, RngExt as _};
 use runtime::declaration::Flow;
 use scenario::files::Base;
 use scenario::kind::{Kind, find};
@@ -29,6 +29,10 @@ pub struct Change {
     /// Overrides of the scenario in the log, in the form of `--set`; `teams.TEAM.limits.…` stands for all its robots.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub set: Vec<String>,
+    /// Values of the scenario that are drawn: `KEY=LOW..HIGH`, uniformly, by the number of the random streams. Whole numbers if
+    /// both bounds are written as such.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub draw: Vec<String>,
     /// Processes with other kinds: `PROCESS=KIND`, with the default parameters of the kind.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub replace: Vec<String>,
@@ -206,7 +210,16 @@ fn changed(
     change: &Change,
     kinds: &[Kind],
 ) -> Result<ResolvedScenario, LogReadError> {
-    if change.set.is_empty() && change.replace.is_empty() {
+    let drawn = change.draw.iter().map(|text| {
+        drawn(text, now.run.seed, change.seed).ok_or_else(|| {
+            argument(format!(
+                "--draw {text}: expected KEY=LOW..HIGH with finite numbers, LOW < HIGH"
+            ))
+        })
+    });
+    let drawn: Vec<String> = drawn.collect::<Result<_, _>>()?;
+    let given = [&change.set[..], &drawn].concat();
+    if given.is_empty() && change.replace.is_empty() {
         return Ok(now);
     }
     let mut draft = now.clone();
@@ -225,7 +238,7 @@ fn changed(
         };
         process.program = Program::Kind(kind);
     }
-    let set = of_robots(&change.set, &now);
+    let set = of_robots(&given, &now);
     let loader = Loader::new(kinds);
     let (text, option) = (
         draft.to_toml(),
@@ -236,8 +249,8 @@ fn changed(
         .map_err(|problems| argument(format!("{option}:\n{problems}")))?;
     let place = |name: &str| now.processes.iter().position(|own| own.name == name);
     next.processes.sort_by_key(|process| place(&process.name));
-    let texts = [&change.set[..], &change.replace].concat().join(" ");
-    if next == now {
+    let texts = [given, change.replace.clone()].concat().join(" ");
+    if next == now && change.draw.is_empty() {
         return Err(changes_nothing(&format!("{option} {texts}")));
     }
     if let Some(what) = fixed_part(&now, &next) {
@@ -247,6 +260,20 @@ fn changed(
         )));
     }
     Ok(next)
+}
+
+/// Returns the override with the value that a text of `--draw` has in this run for a number of random streams.
+fn drawn(text: &str, run_seed: u64, seed: u64) -> Option<String> {
+    let (key, range) = text.split_once('=')?;
+    let (low, high) = range.split_once("..")?;
+    let mut stream = runtime::seed::stream(run_seed, key, "", &format!("draw {seed}"));
+    let whole = (low.trim().parse::<i64>(), high.trim().parse::<i64>());
+    if let (Ok(low), Ok(high)) = whole {
+        return (low < high).then(|| format!("{key}={}", stream.random_range(low..=high)));
+    }
+    let (low, high): (f64, f64) = (low.trim().parse().ok()?, high.trim().parse().ok()?);
+    let value = low + (high - low) * stream.random::<f64>();
+    (low < high && value.is_finite()).then(|| format!("{key}={value:?}"))
 }
 
 /// Returns what differs of that which no branch can change.
@@ -282,5 +309,31 @@ fn fixed_part(a: &ResolvedScenario, b: &ResolvedScenario) -> Option<&'static str
         Some("a key of `run`")
     } else {
         None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_are_drawn_from_their_range_by_seed() {
+        let draw = |text: &str, seed| drawn(text, 7, seed);
+        let mut values: Vec<f64> = (1..=100)
+            .map(|seed| draw("a.b=-0.5..2", seed).unwrap())
+            .map(|set| set.strip_prefix("a.b=").unwrap().parse().unwrap())
+            .collect();
+        values.sort_by(f64::total_cmp);
+        let [low, middle, high] = [values[0], values[50], values[99]];
+        assert!((-0.5..-0.3).contains(&low) && (1.8..2.0).contains(&high));
+        assert!((0.45..1.05).contains(&middle), "{middle}");
+        assert_eq!(draw("a=1..3", 4), draw("a=1..3", 4));
+        let whole: std::collections::BTreeSet<_> =
+            (1..=50).map(|seed| draw("a=1..3", seed)).collect();
+        let expected = ["a=1", "a=2", "a=3"].map(|text| Some(text.to_owned()));
+        assert!(whole.into_iter().eq(expected));
+        for text in ["a", "a=1", "a=2..1", "a=1..1", "a=0.5..nan", "a=0..inf"] {
+            assert_eq!(draw(text, 1), None, "{text}");
+        }
     }
 }

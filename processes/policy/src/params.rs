@@ -3,12 +3,11 @@
 use network::Network;
 use observation::action::{ACTION_LENGTH, ActionKind};
 use observation::parts::Parts;
-use parameters::{Parameters, ParamsError, at_least};
+use parameters::{Parameters, ParamsError, at_least, between};
 use runtime::files;
 
 parameters::table! {
     /// Parameters of a [`Policy`](crate::Policy).
-    #[derive(Eq)]
     pub struct PolicyParams {
         /// ONNX file of the policy: its path, relative to the scenario's folder. A log has the contents of the file instead,
         /// as a `data:` URL, so that it can be executed again without the file.
@@ -21,6 +20,9 @@ parameters::table! {
         pub action: String = "twist".to_owned(),
         /// Number of ticks from one action to the next; it holds in between.
         pub ticks_per_action: u32 [at_least(1)] = 1,
+        /// Standard deviation of what each action differs by from that of the network: random, for each of its numbers in −1
+        /// to 1, which are limited to that range afterwards. With 0, the policy does not explore.
+        pub exploration: f64 [between(0.0, 2.0)] = 0.0,
     }
 }
 

@@ -13,8 +13,11 @@ use observation::route_entries::RouteEntries;
 use observation::scene::{OcclusionCache, Scene};
 use planner_view::map::PlannerMap;
 use planner_view::view::View;
+use rand::SeedableRng as _;
+use rand_chacha::ChaCha8Rng;
 use robot::spec::RobotModel;
 use thiserror::Error;
+use tracking::sighting::gaussian_pair;
 
 /// Reason why a policy does not fit its robot.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -72,6 +75,8 @@ pub struct Policy {
     ticks_per_action: u64,
     observation: Vec<f32>,
     held: Option<[f32; ACTION_LENGTH]>,
+    /// Standard deviation and seed of what is added to actions.
+    exploration: (f64, u64),
 }
 
 impl Policy {
@@ -117,8 +122,18 @@ impl Policy {
             ticks_per_action: u64::from(ticks_per_action.max(1)),
             observation: vec![0.0; length],
             held: None,
+            exploration: (0.0, 0),
             layout,
         })
+    }
+
+    /// Adds random numbers with this standard deviation to the numbers of each action, of the streams of `seed`.
+    #[must_use]
+    pub fn exploring(self, deviation: f64, seed: u64) -> Self {
+        Self {
+            exploration: (deviation, seed),
+            ..self
+        }
     }
 
     /// Returns the command of this tick. A robot that no longer takes part stands still.
@@ -136,6 +151,7 @@ impl Policy {
             Some(held) if !tick.is_multiple_of(self.ticks_per_action) => held,
             _ => {
                 let action = self.action(map, space.shapes(), view)?;
+                let action = self.explored(action, tick);
                 if let Some(evader) = &mut self.evader {
                     evader.act(action);
                 }
@@ -147,6 +163,21 @@ impl Policy {
             Some(evader) => evader.steering(map, view).command,
             None => command(action, &self.model),
         })
+    }
+
+    /// Returns an action with what exploration adds in this tick.
+    fn explored(&self, action: [f32; ACTION_LENGTH], tick: u64) -> [f32; ACTION_LENGTH] {
+        let (deviation, seed) = self.exploration;
+        if deviation <= 0.0 {
+            return action;
+        }
+        // A stream per tick: a restarted process continues in step.
+        let mut stream = ChaCha8Rng::seed_from_u64(seed);
+        stream.set_stream(tick);
+        let (first, second) = gaussian_pair(&mut stream);
+        let [a, b] = action;
+        let explored = |own: f32, noise: f64| (f64::from(own) + deviation * noise).clamp(-1.0, 1.0);
+        [explored(a, first) as f32, explored(b, second) as f32]
     }
 
     /// Returns the action of the network.

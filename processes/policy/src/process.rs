@@ -22,6 +22,8 @@ pub struct PolicyPlanner {
     parts: Parts,
     action: ActionKind,
     ticks_per_action: u32,
+    /// Standard deviation and seed.
+    exploration: (f64, u64),
     /// Opened with the configuration of the run.
     policy: Option<Policy>,
     failure: Option<String>,
@@ -69,12 +71,13 @@ impl Planner for PolicyPlanner {
         }
     }
 
-    fn new(params: &PolicyParams, _: &RobotInfo, _: u64) -> Result<Self, PlannerError> {
+    fn new(params: &PolicyParams, _: &RobotInfo, seed: u64) -> Result<Self, PlannerError> {
         Ok(Self {
             network: params.network()?,
             parts: params.parts()?,
             action: params.action_kind()?,
             ticks_per_action: params.ticks_per_action,
+            exploration: (params.exploration, seed),
             policy: None,
             failure: None,
         })
@@ -103,11 +106,13 @@ impl Planner for PolicyPlanner {
             robot as usize,
             run.exits.len(),
         );
-        self.policy = Some(policy.map_err(|error| ProcessError::Params {
+        let policy = policy.map_err(|error| ProcessError::Params {
             process: config.name.clone(),
             kind: config.kind.clone(),
             reason: error.to_string(),
-        })?);
+        })?;
+        let (deviation, seed) = self.exploration;
+        self.policy = Some(policy.exploring(deviation, seed));
         Ok(())
     }
 

@@ -32,6 +32,7 @@ streams: its memory is that of this past. Its own messages count from T on.
   protean branch run.mcap --at 32 --command police_1=0.2,0 --for 5
   protean branch run.mcap --at 32 --place police_1=1.2,3.4
   protean branch run.mcap --at 32 --times 40
+  protean branch run.mcap --at 32 --times 40 --draw teams.police.limits.v_max=0.2..0.3
 
 Exit codes: 0 success, 1 the history before T differs from the log or a run failed, 2 the log or the change is not usable,
 3 interrupted.";
@@ -42,6 +43,9 @@ pub(super) struct ChangeArgs {
     /// Override a value of the scenario from T on: parameters, limits, noise, rules
     #[arg(long = "set", value_name = "KEY=VALUE")]
     set: Vec<String>,
+    /// Draw a value of the scenario by the number of the random streams
+    #[arg(long, value_name = "KEY=LOW..HIGH")]
+    draw: Vec<String>,
     /// Give a process another kind, with its default parameters
     #[arg(long, value_name = "PROCESS=KIND")]
     replace: Vec<String>,
@@ -60,14 +64,15 @@ pub(super) struct ChangeArgs {
 }
 
 impl ChangeArgs {
-    /// Returns the change with stream `seed`; many continuations vary all streams unless some are named.
+    /// Returns the change with stream `seed`; many continuations vary all streams unless something that varies is named.
     pub(super) fn change(&self, seed: u64, are_many: bool) -> Change {
         let mut reseed = self.reseed.clone();
-        if are_many && reseed.is_empty() {
+        if are_many && reseed.is_empty() && self.draw.is_empty() {
             reseed.push(ALL.to_owned());
         }
         Change {
             set: self.set.clone(),
+            draw: self.draw.clone(),
             replace: self.replace.clone(),
             command: self.command.clone(),
             for_s: self.for_s,
@@ -91,7 +96,7 @@ pub(super) struct BranchArgs {
     /// Number of the other random streams
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// Continue N times, with streams 1 to N, and count the outcomes [--reseed: all]
+    /// Continue N times, with streams 1 to N, and count the outcomes [--reseed: all, unless --draw]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=100_000), conflicts_with_all = ["seed", "out"])]
     times: Option<u64>,
     /// Run N continuations at once [default: number of processors]

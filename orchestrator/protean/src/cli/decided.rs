@@ -9,6 +9,7 @@ use platform::atomic_file::Readers;
 use platform::machine::processors;
 use platform::output_format::OutputFormat;
 use recorder::time_text;
+use replay::lineage::Change;
 use report::page::report as write_page;
 use scenario::kind::Kind;
 use tables::TerminalTable;
@@ -20,10 +21,10 @@ use super::output::{print, print_json};
 
 /// Help below the options.
 pub(super) const HELP: &str = "\
-At each of M moments the run of the log continues N times, with other random streams (`protean branch --times`). The outcome of a
-robot is decided from the moment on from which the share of continuations with this outcome stays at or above --share.
-The moment is bracketed to 1 s; there the number of continuations grows, up to 16 N, until Wilson's 95 % interval of the share
-excludes --share on both sides.
+At each of M moments the run of the log continues N times, with other random streams (`protean branch --times`), or with values
+that --draw draws for each. The outcome of a robot is decided from the moment on from which the share of continuations with this
+outcome stays at or above --share. The moment is bracketed to 1 s; there the number of continuations grows, up to 16 N, until
+Wilson's 95 % interval of the share excludes --share on both sides.
 
 Exit codes: 0 success, 1 a run failed, 2 the log or the change is not usable, 3 interrupted.";
 
@@ -113,12 +114,12 @@ pub(super) fn run(kinds: &[Kind], args: &DecidedArgs) -> ExitCode {
 
 fn text(report: &DecidedReport) -> String {
     let mut text = format!(
-        "{} (seed {}): {} continuations from {} moments, with other streams of {}\n",
+        "{} (seed {}): {} continuations from {} moments, with other {}\n",
         report.scenario,
         report.seed,
         report.continuations,
         report.moments.len(),
-        report.change.reseed.join(", ")
+        varied(&report.change)
     );
     for decision in &report.decisions {
         text += &format!(
@@ -150,6 +151,16 @@ fn text(report: &DecidedReport) -> String {
         table.add_row(start.into_iter().chain(shares));
     }
     text + &format!("\n{table}")
+}
+
+/// Returns what differs between continuations.
+fn varied(change: &Change) -> String {
+    let streams = Some(change.reseed.join(", ")).filter(|names| !names.is_empty());
+    let streams = streams.map(|names| format!("streams of {names}"));
+    let values = Some(change.draw.join(", ")).filter(|draws| !draws.is_empty());
+    let values = values.map(|draws| format!("values of {draws}"));
+    let both: Vec<String> = streams.into_iter().chain(values).collect();
+    both.join(" and ")
 }
 
 fn decision_text(decision: &Decision, threshold: f64) -> String {

@@ -64,9 +64,9 @@ if (facts.decided) {
     })).filter(({ of }) => of);
     const counted = found.map(({ outcome, count }) => `${words(outcome)} in ${count}`).join(', ');
     hint.textContent = `${decision.robot} from ${timeText(nearest.time_s)} s on: ${counted} of ${nearest.continuations} continuations.`;
-    const options = ['set', 'replace', 'command'].flatMap((key) => (change[key] ?? []).map((text) => `--${key}=${text}`));
+    const options = ['set', 'draw', 'replace', 'command', 'place', 'reseed'].flatMap((key) => (change[key] ?? []).map((text) => `--${key}=${text}`));
     if (change.for !== undefined) options.push(`--for=${change.for}`);
-    const branch = ['protean', 'branch', log, `--at=${+nearest.time_s.toFixed(9)}`, ...options, `--reseed=${change.reseed.join(',')}`];
+    const branch = ['protean', 'branch', log, `--at=${+nearest.time_s.toFixed(9)}`, ...options];
     const lines = pair.map(({ name, of }) => [...branch, `--seed=${of.stream}`, `--out=${name}.mcap`]);
     lines.push(['protean', 'report', ...pair.map(({ name }) => `${name}.mcap`), '--open']);
     commands.textContent = lines.map((line) => line.map(quoted).join(' ')).join('\n');
