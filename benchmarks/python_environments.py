@@ -4,11 +4,11 @@
 usage: python_environments.py [--seconds S] [--instances N ...]
 
     pip install 'protean-robotics[gym]'                 # or target/wheels/*.whl
-    pip install torch vmas jaxmarl mpe2                 # those that shall be measured, too
+    pip install torch vmas jaxmarl mpe2 navground pufferlib   # those that shall be measured, too
     benchmarks/python_environments.py
 
-A step of an instance is one step of all its robots: here four pursuers and two evaders. Ours has eight lines of sight, the
-others none. Actions are random and drawn before the measurement.
+A step of an instance is one step of all its robots: here four pursuers and two evaders. Actions are random and drawn before
+the measurement. The last column says in what a peer differs from ours, which has walls, contacts and eight lines of sight.
 """
 
 import argparse
@@ -84,28 +84,61 @@ def jaxmarl(instances: int, seconds: float) -> float:
     keys = jax.random.split(jax.random.PRNGKey(0), instances)
     _, state = jax.vmap(env.reset)(keys)
     unroll = 128
+    draws = jax.random.randint(jax.random.PRNGKey(1), (unroll, len(env.agents), instances), 0, env.action_space(env.agents[0]).n)
 
     @jax.jit
-    def run(state: object, key: object) -> object:
+    def run(state: object) -> object:
         """Several steps in one call, as JaxMARL is meant to be used."""
 
-        def body(state: object, key: object) -> tuple[object, object]:
-            keys = jax.random.split(key, instances)
-            actions = {
-                agent: jax.vmap(env.action_space(agent).sample)(keys) for agent in env.agents
-            }
+        def body(state: object, draw: object) -> tuple[object, object]:
+            actions = dict(zip(env.agents, draw))
             observations, state, rewards, _, _ = jax.vmap(env.step)(keys, state, actions)
             return state, (sum(o.sum() for o in observations.values()), sum(r.sum() for r in rewards.values()))
 
-        return jax.lax.scan(body, state, jax.random.split(key, unroll))
+        return jax.lax.scan(body, state, draws)
 
     holder = [state]
 
-    def step(k: int) -> None:
-        holder[0], sums = run(holder[0], jax.random.PRNGKey(k))
+    def step(_: int) -> None:
+        holder[0], sums = run(holder[0])
         jax.block_until_ready(sums)
 
     return rate(step, instances * unroll, seconds)
+
+
+def ocean(instances: int, seconds: float) -> float:
+    from pufferlib.ocean.target.target import Target
+
+    env = Target(num_envs=instances, num_agents=6)
+    env.reset()
+    actions = np.random.default_rng(1).integers(env.single_action_space.nvec, size=(64, 6 * instances, 2))
+    return rate(lambda k: env.step(actions[k % 64]), instances, seconds)
+
+
+def navground(behavior: str, seconds: float) -> float:
+    """Six robots that cross a room with twelve discs, on and on."""
+    from navground import core, sim
+
+    world = sim.World()
+    corners = np.array([(-4.0, -4.0), (4.0, -4.0), (4.0, 4.0), (-4.0, 4.0)])
+    for begin, end in zip(corners, np.roll(corners, -1, axis=0)):
+        world.add_wall(sim.Wall(begin, end))
+    for angle in np.arange(12) * np.pi / 6:
+        world.add_obstacle(sim.Obstacle((1.5 * np.cos(angle), 1.5 * np.sin(angle)), 0.2))
+    for angle in np.arange(6) * np.pi / 3:
+        place = 3.0 * np.array([np.cos(angle), np.sin(angle)])
+        kinematics = core.Kinematics.make_type("2WDiff")
+        kinematics.max_speed, kinematics.wheel_axis = 0.3, 0.2
+        mind = core.Behavior.make_type(behavior)
+        mind.optimal_speed, mind.safety_margin, mind.horizon = 0.25, 0.05, 5.0
+        task = sim.Task.make_type("Waypoints")
+        task.waypoints, task.tolerance = [-place, place], 0.2
+        sight = sim.StateEstimation.make_type("Bounded")
+        sight.range = 5.0
+        agent = sim.Agent(0.15, mind, kinematics, task, [sight], 0.05)
+        agent.position = place
+        world.add_agent(agent)
+    return rate(lambda _: world.run(64, 0.05), 64, seconds)
 
 
 def mpe2(_: int, seconds: float) -> float:
@@ -125,18 +158,25 @@ def main() -> None:
     seconds = arguments.seconds
     everything = ("chase_exact", ["police", "evader"])
     evaders = ("chase_exact", ["evader"])
-    print(f"{'steps of instances per second, one core':52} " + " ".join(f"{n:>10}" for n in arguments.instances))
-    rows: list[tuple[str, Callable[[int], float]]] = [
-        ("six robots by the learner: loop in Rust", lambda n: rust(n, seconds, *everything)),
-        ("six robots by the learner: pr.VectorEnv, copy=False", lambda n: ours(n, seconds, *everything, False)),
-        ("six robots by the learner: pr.VectorEnv", lambda n: ours(n, seconds, *everything, True)),
-        ("four built-in Police: loop in Rust", lambda n: rust(n, seconds, *evaders)),
-        ("four built-in Police: pr.VectorEnv, copy=False", lambda n: ours(n, seconds, *evaders, False)),
-        ("vmas simple_tag, 4 + 2", lambda n: vmas(n, seconds)),
-        ("jaxmarl MPE_simple_tag_v3, 4 + 2, jit", lambda n: jaxmarl(n, seconds)),
-        ("mpe2 simple_tag_v3, 4 + 2, one instance", lambda n: mpe2(n, seconds)),
+    head = " ".join(f"{n:>10}" for n in arguments.instances)
+    print(f"{'steps of instances per second, one core':52} {head}  differs from ours")
+    game = "no walls, no contacts, no sight"
+    rows: list[tuple[str, str, Callable[[int], float]]] = [
+        ("six robots by the learner: loop in Rust", "", lambda n: rust(n, seconds, *everything)),
+        ("six robots by the learner: pr.VectorEnv, copy=False", "", lambda n: ours(n, seconds, *everything, False)),
+        ("six robots by the learner: pr.VectorEnv", "", lambda n: ours(n, seconds, *everything, True)),
+        ("four built-in Police: loop in Rust", "", lambda n: rust(n, seconds, *evaders)),
+        ("four built-in Police: pr.VectorEnv, copy=False", "", lambda n: ours(n, seconds, *evaders, False)),
+        ("chase: Police and beliefs: pr.VectorEnv, copy=False", "", lambda n: ours(n, seconds, "chase", ["evader"], False)),
+        ("pufferlib ocean target, 6 robots", game + ", 24 numbers each", lambda n: ocean(n, seconds)),
+        ("jaxmarl MPE_simple_tag_v3, 4 + 2, compiled rollout", "no walls, no sight; never back in Python", lambda n: jaxmarl(n, seconds)),
+        ("vmas simple_tag, 4 + 2", "no walls, no sight", lambda n: vmas(n, seconds)),
+        ("mpe2 simple_tag_v3, 4 + 2, one instance", "no walls, no sight", lambda n: mpe2(n, seconds)),
     ]
-    for name, measure in rows:
+    for behavior in ("Dummy", "ORCA", "HL"):
+        measure = lambda _, behavior=behavior: navground(behavior, seconds)
+        rows.append((f"navground {behavior}, 6 robots, one world", "no game, no observations; robots steer themselves", measure))
+    for name, unlike, measure in rows:
         figures = []
         for instances in arguments.instances:
             try:
@@ -144,7 +184,7 @@ def main() -> None:
             except ImportError as error:
                 figures.append(f"{error.name or error} missing")
                 break
-        print(f"{name:52} {' '.join(figures)}", flush=True)
+        print(f"{name:52} {' '.join(figures)}  {unlike}", flush=True)
 
 
 if __name__ == "__main__":
