@@ -170,15 +170,15 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     ),
     "reward weight": (lambda weight: _step_of(reward={"time": weight}), {"weight": 1.0}),
     "Log": (pr.Log, {"path": "log.mcap"}),
-    "Log.report": (lambda **a: log().report(**a), {"out": "a.html", "force": True}),
-    "Log.picture": (lambda **a: log().picture(**a), {"out": "a.svg", "at": 0.1, "force": True}),
+    "Log.report": (lambda **a: pr.Log("log.mcap").report(**a), {"out": "a.html", "force": True}),
+    "Log.picture": (lambda **a: pr.Log("log.mcap").picture(**a), {"out": "a.svg", "at": 0.1, "force": True}),
     "Log.branch": (
-        lambda **a: log().branch(**a),
+        lambda **a: pr.Log("log.mcap").branch(**a),
         {"at": 0.1, "set": {}, "draw": {}, "replace": {}, "command": {"robot": (0.1, 0.0)}, "place": {}, "duration": 0.1, "reseed": ["all"], "seed": 2}
         | {"out": "branch.mcap", "force": True, "allow_external": False},
     ),
     "Log.decided": (
-        lambda **a: log().decided(**a),
+        lambda **a: pr.Log("log.mcap").decided(**a),
         {"moments": 1, "continuations": 1, "share": 0.9, "set": {}, "draw": {}, "replace": {}, "command": {}, "place": {}, "duration": None, "reseed": None}
         | {"allow_external": False},
     ),
