@@ -73,7 +73,8 @@ const RULES: Rules = Rules {
         &["_core", "benchmarks", "end_to_end", "testing"],
     ],
     only: &[
-        (&["clap"], &["protean", "benchmarks"]),
+        // `ros2_bridge` gives that of `ros2-client` the features of the program.
+        (&["clap"], &["protean", "benchmarks", "ros2_bridge"]),
         (&["iceoryx2"], &["transport", "benchmarks"]),
         (&["libc"], &["platform"]),
         (&["libloading"], &["library_planner"]),
