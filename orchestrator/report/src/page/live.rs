@@ -75,7 +75,9 @@ impl LivePage {
         let (mut page, _) = run(&mut content, Compression::fast()).map_err(failed)?;
         let now_s = replayed_ns.unwrap_or(content.end_ns).min(content.end_ns) as f64 / 1e9;
         if let Some(facts) = page.facts.as_object_mut() {
-            let live = json!({ "now_s": now_s, "ended": ended, "control": control });
+            let replayed = replayed_ns.is_some();
+            let live =
+                json!({ "now_s": now_s, "ended": ended, "control": control, "replayed": replayed });
             facts.insert("live".to_owned(), live);
             let is_whole = content.condition.complete || ended && replayed_ns.is_none();
             if !is_whole {

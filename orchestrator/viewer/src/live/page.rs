@@ -40,10 +40,11 @@ impl PageData {
         latest.log = Some(log.to_owned());
     }
 
-    /// Returns the shown log.
-    pub(super) fn log(&self) -> Option<PathBuf> {
+    /// Returns the shown log once it is whole: at the end of its run, always of a replay.
+    pub(super) fn whole_log(&self, ended: bool) -> Option<PathBuf> {
         let latest = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        latest.log.clone()
+        let is_replayed = latest.source.as_ref().is_some_and(|source| source.1);
+        latest.log.clone().filter(|_| ended || is_replayed)
     }
 
     /// Returns the latest line with its number, if that is not `than`. `now_ns`: simulated time (ns).
