@@ -237,8 +237,7 @@ fn a_replay_that_begins_again_answers_what_if_beside_it() {
                  for (let n = 0; n < 3;) n += (await reader.read()).value.filter((byte) => byte === 10).length; \
                  await reader.cancel(); })()";
     let state = "[protean.runs.length, protean.isRunning, protean.t]";
-    let until_whole =
-        "protean.isRunning && protean.end_s > 2 && !document.getElementById('what-if').hidden";
+    let until_whole = "protean.isRunning && protean.end_s === 3 && protean.digest";
     let value = "document.getElementById('what-if-set').value = 'teams.police.limits.v_max=0.2'";
     let steps = json!([
         { "until": until_whole },

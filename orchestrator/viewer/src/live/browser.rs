@@ -130,7 +130,7 @@ fn stream(server_state: &ServerState, tcp: &TcpStream, admission: &Admission) ->
         let ended = broadcaster.is_closed();
         match server_state.pages.newer(
             number,
-            broadcaster.time_ns(),
+            broadcaster.times_ns(),
             ended,
             server_state.control.as_deref(),
         ) {
