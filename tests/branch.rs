@@ -1,6 +1,7 @@
 //! `protean branch` and `protean decided`: what precedes a branch is its parent's history, with processes or in one thread.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 use rustix::process::Signal;
@@ -174,6 +175,96 @@ fn record_game(sandbox: &Sandbox) -> f64 {
     info["end_s"].as_f64().unwrap()
 }
 
+/// Clicks on the curves of the page of a report, at moments with one outcome and with two: that many continuations end so.
+fn click_on_curves(page: &Path, report: &Json) {
+    let size = std::fs::metadata(page).unwrap().len();
+    assert!(size < 1 << 20, "{size}");
+    // By the number of outcomes: a robot, its outcomes by frequency, and a moment.
+    let items = |list: &'static str| report[list].as_array().unwrap();
+    let mut curves: Vec<(&Json, Vec<&Json>, f64)> = Vec::new();
+    for (decision, moment) in items("decisions").iter().flat_map(|decision| {
+        items("moments")
+            .iter()
+            .map(move |moment| (decision, moment))
+    }) {
+        let robots = moment["robots"].as_array().unwrap();
+        let robot = &decision["robot"];
+        let shares = robots.iter().find(|own| own["robot"] == *robot).unwrap();
+        let mut outcomes: Vec<&Json> = shares["outcomes"].as_array().unwrap().iter().collect();
+        outcomes.sort_by_key(|outcome| std::cmp::Reverse(outcome["count"].as_u64()));
+        let time_s = moment["time_s"].as_f64().unwrap();
+        if time_s <= decision["time_s"].as_f64().unwrap() {
+            curves.push((robot, outcomes, time_s));
+        }
+    }
+    for count in [1, 2] {
+        let (robot, outcomes, at_s) = curves.iter().find(|curve| curve.1.len() == count).unwrap();
+        let name = robot.as_str().unwrap();
+        // Hides the other curves, and clicks at the moment.
+        let click = format!(
+            "(() => {{ const plot = document.querySelector('#stage .plot'); \
+             for (const one of plot.querySelectorAll('.legend button')) if (!one.textContent.startsWith('{name} ')) one.click(); \
+             const canvas = plot.querySelector('canvas'); canvas.scrollIntoView(); const box = canvas.getBoundingClientRect(); \
+             const x = box.left + 52 + (box.width - 64) * {at_s} / protean.end_s, y = box.top + 90; return [x, y, x, y]; }})()"
+        );
+        let last = "protean.runs.slice(1).map(({ outcome, at, facts }) => \
+                    [outcome, at(facts.end_s).robots.map(({ name, status }) => [name, status])])";
+        let steps = json!([
+            { "eval": "document.querySelectorAll('#stage .plot .legend button').length" },
+            { "drag": click },
+            { "until": "protean.runs.length > 1" },
+            { "eval": "[protean.playing, protean.t]" },
+            { "eval": "[...document.querySelectorAll('.continuations section')].map((one) => one.innerText)" },
+            { "eval": last },
+            { "eval": format!("protean.runs.map(({{ at }}) => at({at_s}).robots.map(({{ x, y }}) => [x, y]))") },
+            { "eval": "[...document.querySelectorAll('.continuations > section')].map((one) => one.getBoundingClientRect().left)" },
+        ]);
+        let Some(found) = browse(page, &steps) else {
+            return;
+        };
+        assert_eq!(found["errors"], json!([]));
+        assert_eq!(found["requests"].as_array().unwrap().len(), 1, "{found}");
+        let answers = &found["answers"];
+        assert_eq!(answers[0], items("decisions").len());
+        assert_eq!(answers[2][0], true, "{answers}");
+        let (texts, ends) = (
+            answers[3].as_array().unwrap(),
+            answers[4].as_array().unwrap(),
+        );
+        assert_eq!((texts.len(), ends.len()), (count, count), "{answers}");
+        for ((outcome, text), end) in outcomes.iter().zip(texts).zip(ends) {
+            let (text, word) = (text.as_str().unwrap(), outcome["outcome"].as_str().unwrap());
+            let percent = (100.0 * outcome["share"].as_f64().unwrap() + 0.5).floor();
+            let start = format!("{name} {}: {percent} % (", word.replace('_', " "));
+            assert!(text.starts_with(&start), "{text}: {start}");
+            let command = format!(
+                "protean branch a.mcap --at={at_s} --reseed=all --seed={}",
+                outcome["stream"]
+            );
+            assert!(text.ends_with(&command), "{text}: {command}");
+            let recorded = end[0]
+                .as_array()
+                .unwrap()
+                .iter()
+                .find(|own| own["name"] == **robot);
+            assert_eq!(recorded.unwrap()["outcome"], word, "{end}");
+            assert!(
+                end[1].as_array().unwrap().contains(&json!([name, word])),
+                "{end}"
+            );
+        }
+        // Each begins where the run is.
+        for own in answers[5].as_array().unwrap() {
+            assert_eq!(*own, answers[5][0], "{answers}");
+        }
+        let lefts = answers[6].as_array().unwrap();
+        assert!(
+            count == 1 || lefts[0] != lefts[1],
+            "side by side: {lefts:?}"
+        );
+    }
+}
+
 #[test]
 fn outcomes_of_copies_are_those_of_branches_from_the_start_for_any_number_of_jobs() {
     let sandbox = Sandbox::new();
@@ -222,21 +313,7 @@ fn outcomes_of_copies_are_those_of_branches_from_the_start_for_any_number_of_job
     let curves = std::fs::read_to_string(sandbox.path().join("curve.svg")).unwrap();
     let decisions = report["decisions"].as_array().unwrap().len();
     assert_eq!(curves.matches("<polyline").count(), decisions);
-    let click = "(() => { document.querySelector('#stage .plot canvas').click(); \
-         return document.querySelector('#stage .plot pre').textContent; })()";
-    let steps = json!([
-        { "eval": "document.querySelectorAll('#stage .plot .legend button').length" },
-        { "eval": click },
-    ]);
-    if let Some(page) = browse(&sandbox.path().join("page.html"), &steps) {
-        assert_eq!(page["errors"], json!([]));
-        assert_eq!(page["answers"][0], decisions);
-        let commands = page["answers"][1].as_str().unwrap();
-        assert!(
-            commands.starts_with("protean branch a.mcap --at="),
-            "{commands}"
-        );
-    }
+    click_on_curves(&sandbox.path().join("page.html"), &report);
 }
 
 #[test]

@@ -218,6 +218,55 @@ fn the_page_pauses_and_steps_a_replay() {
 }
 
 #[test]
+fn a_replay_that_begins_again_answers_what_if_beside_it() {
+    let sandbox = Sandbox::new();
+    sandbox
+        .protean(["run", "chase", "--out", "run.mcap"])
+        .set("rules.time_limit=3")
+        .json();
+    let known = sandbox.runs();
+    let words = ["--control", "--loop", "--pace", "4"];
+    let replay = Watched::replay(&sandbox, "run.mcap", &words);
+    // The server has the log by then.
+    drop(barrier(&sandbox, &known));
+    let branch = json!({ "branch": { "at_s": 1, "set": ["teams.police.limits.v_max=0.2"] } });
+    let made = order(&replay, &branch);
+    assert_eq!(made["run"]["facts"]["end_s"], 3.0);
+    // The page has received newer data meanwhile.
+    let lines = "(async () => { const reader = (await fetch('/' + location.hash.slice(1), { cache: 'no-store' })).body.getReader(); \
+                 for (let n = 0; n < 3;) n += (await reader.read()).value.filter((byte) => byte === 10).length; \
+                 await reader.cancel(); })()";
+    let state = "[protean.runs.length, protean.isRunning, protean.t]";
+    let until_whole = "protean.isRunning && protean.end_s === 3 && protean.digest";
+    let value = "document.getElementById('what-if-set').value = 'teams.police.limits.v_max=0.2'";
+    let steps = json!([
+        { "until": until_whole },
+        { "eval": format!("protean.pause(), protean.seek(1), {value}") },
+        { "eval": "document.getElementById('go-on').click()" },
+        { "until": "protean.runs.length === 2" },
+        { "eval": lines },
+        { "eval": state },
+        { "eval": "protean.runs[1].digest" },
+        { "key": "l" },
+        { "until": "protean.runs.length === 1 && protean.isRunning && protean.follows" },
+        { "eval": "void (window.from = protean.drawn)" },
+        { "until": "protean.drawn > window.from + 20" },
+        { "eval": "document.getElementById('world').hidden" },
+    ]);
+    let Some(found) = browse(Path::new(&replay.page()), &steps) else {
+        return;
+    };
+    assert_eq!(found["errors"], json!([]), "errors of the browser");
+    let answers = &found["answers"];
+    assert_eq!(answers[5], json!([2, false, 1]), "{answers}");
+    assert_eq!(answers[6], made["made"]["digest"], "{answers}");
+    assert_eq!(answers[10], false, "{answers}");
+    replay.interrupt();
+    assert_eq!(replay.finish().0, Some(3));
+    sandbox.assert_nothing_left();
+}
+
+#[test]
 fn a_robot_that_is_dragged_makes_the_branch_of_the_printed_command() {
     let sandbox = Sandbox::new();
     let words = ["--control", "--pace", "1000", "--set", "rules.time_limit=6"];

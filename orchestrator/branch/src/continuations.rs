@@ -1,5 +1,6 @@
 //! Many continuations of a run from a moment, and their outcomes.
 
+use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
 use mcap_log::ReadProgress;
@@ -35,6 +36,15 @@ pub struct RobotShares {
     pub recorded: String,
     /// Outcomes in the continuations, by name.
     pub outcomes: Vec<OutcomeShare>,
+}
+
+impl RobotShares {
+    /// Returns the streams of the first continuations with the two most frequent outcomes, or with the only one.
+    pub(crate) fn examples(&self) -> impl Iterator<Item = u64> {
+        let mut outcomes: Vec<&OutcomeShare> = self.outcomes.iter().collect();
+        outcomes.sort_by_key(|outcome| Reverse(outcome.count));
+        outcomes.into_iter().take(2).map(|outcome| outcome.stream)
+    }
 }
 
 /// Runs continuations with random streams 1 to `times` from a tick on, in copies of this process, which must have a single

@@ -22,6 +22,9 @@ const WIDTH_S: f64 = 1.0;
 /// Maximum number of continuations at a moment, as a multiple of the given one.
 const MAX_FACTOR: u64 = 16;
 
+/// Maximum number of moments with examples of their continuations.
+const EXAMPLE_MOMENTS: usize = 40;
+
 /// Options of the search for the moment of decision.
 #[derive(Debug, Clone)]
 pub struct DecidedOptions {
@@ -81,6 +84,28 @@ pub struct DecidedReport {
     pub moments: Vec<Moment>,
     /// Decisions about the robots with an outcome.
     pub decisions: Vec<Decision>,
+}
+
+impl DecidedReport {
+    /// Returns examples of continuations, as their moments (s) and streams: of every moment before a decision the first with
+    /// the two most frequent outcomes of its robot. Of more than 40 moments, 40 have some.
+    pub fn examples(&self) -> Vec<(f64, u64)> {
+        let shown = self.moments.len().min(EXAMPLE_MOMENTS);
+        let nth = |n: usize| self.moments.get(n * self.moments.len() / shown);
+        let of_moment = |moment: &Moment| {
+            let before = self.decisions.iter();
+            let before = before.filter(|decision| moment.time_s <= decision.time_s);
+            let robots: BTreeSet<&str> = before.map(|decision| &*decision.robot).collect();
+            let robots = moment
+                .robots
+                .iter()
+                .filter(|robot| robots.contains(&*robot.robot));
+            let streams: BTreeSet<u64> = robots.flat_map(RobotShares::examples).collect();
+            let time_s = moment.time_s;
+            streams.into_iter().map(move |stream| (time_s, stream))
+        };
+        (0..shown).filter_map(nth).flat_map(of_moment).collect()
+    }
 }
 
 struct Search<'a> {

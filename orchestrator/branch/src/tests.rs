@@ -5,7 +5,7 @@ use mission::in_process::{InProcessOptions, run};
 use replay::lineage::Change;
 use replay::{RerunOptions, rerun};
 
-use crate::{BranchReport, Parent};
+use crate::{BranchReport, DecidedReport, Decision, Moment, OutcomeShare, Parent, RobotShares};
 
 /// Records a mission into a folder; returns its log.
 fn record(folder: &Path, name: &str, set: &[&str]) -> PathBuf {
@@ -192,4 +192,62 @@ fn moments_and_changes_that_no_run_can_take_are_refused_with_their_values() {
         };
         refused(&parent, &change, folder.path(), word);
     }
+}
+
+#[test]
+fn examples_have_the_two_most_frequent_outcomes_of_at_most_40_moments() {
+    let share = |(outcome, count, stream): (&str, u64, u64)| OutcomeShare {
+        outcome: outcome.to_owned(),
+        count,
+        stream,
+        share: count as f64 / 9.0,
+        interval: statistics::wilson(count, 9),
+    };
+    let robot = |name: &str, outcomes: &[(&str, u64, u64)]| RobotShares {
+        robot: name.to_owned(),
+        recorded: "caught".to_owned(),
+        outcomes: outcomes.iter().copied().map(share).collect(),
+    };
+    let moment = |n: u32| Moment {
+        time_s: f64::from(n),
+        continuations: 9,
+        robots: vec![
+            robot(
+                "a",
+                &[("active", 1, 7), ("caught", 3, 2), ("escaped", 5, 4)],
+            ),
+            robot("b", &[("caught", 9, 1)]),
+            robot("c", &[("active", 9, 9)]),
+        ],
+    };
+    let decision = |robot: &str, time_s| Decision {
+        robot: robot.to_owned(),
+        outcome: "caught".to_owned(),
+        time_s,
+        between_s: None,
+        certain: true,
+    };
+    let report = |moments: u32| DecidedReport {
+        scenario: String::new(),
+        seed: 1,
+        change: Change::default(),
+        threshold: 0.9,
+        continuations: 0,
+        moments: (0..moments).map(moment).collect(),
+        decisions: vec![decision("a", 1.5), decision("b", 1e9)],
+    };
+    let all = [
+        (0.0, 1),
+        (0.0, 2),
+        (0.0, 4),
+        (1.0, 1),
+        (1.0, 2),
+        (1.0, 4),
+        (2.0, 1),
+    ];
+    assert_eq!(report(3).examples(), all);
+    assert_eq!(report(0).examples(), []);
+    let mut times: Vec<f64> = report(100).examples().iter().map(|found| found.0).collect();
+    times.dedup();
+    assert_eq!((times.len(), times[39]), (40, 97.0));
 }

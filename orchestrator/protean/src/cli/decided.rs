@@ -2,21 +2,28 @@
 
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::sync::Arc;
 
-use branch::{DecidedOptions, DecidedReport, Decision, Moment, Parent, curve_svg, decided};
-use mcap_log::derived;
+use branch::{
+    BranchError, DecidedOptions, DecidedReport, Decision, Moment, Parent, curve_svg, decided,
+};
+use mcap_log::{ReadProgress, derived};
+use mission::MissionError;
 use platform::atomic_file::Readers;
 use platform::machine::processors;
 use platform::output_format::OutputFormat;
+use platform::progress::Progress;
+use platform::scratch::Scratch;
 use recorder::time_text;
 use replay::lineage::Change;
-use report::page::report as write_page;
+use report::page::{continuation, report as write_page};
 use scenario::kind::Kind;
+use serde_json::Value as Json;
 use tables::TerminalTable;
 
 use super::branch::ChangeArgs;
 use super::common::{ExternalArg, ForceArg, JsonArg, QuietArg, out};
-use super::logs;
+use super::logs::{self, CommandError};
 use super::output::{print, print_json};
 
 /// Help below the options.
@@ -106,10 +113,45 @@ pub(super) fn run(kinds: &[Kind], args: &DecidedArgs) -> ExitCode {
         if let (Some(page), Some(facts)) = (&args.report, json.as_object_mut()) {
             let name = args.log.file_name().unwrap_or_default();
             facts.insert("log".to_owned(), name.to_string_lossy().into());
+            facts.insert("examples".to_owned(), examples(&parent, &report, watch)?);
             write_page(&[&args.log], page, args.force.force, Some(json), watch)?;
         }
         Ok(ExitCode::SUCCESS)
     })
+}
+
+/// Records examples of the continuations one after the other, and returns their motions for the page.
+fn examples(
+    parent: &Parent,
+    report: &DecidedReport,
+    watch: &ReadProgress,
+) -> Result<Json, CommandError> {
+    let folder = Scratch::create().map_err(|source| MissionError::System {
+        what: "scratch directory".to_owned(),
+        source,
+    });
+    let folder = folder.map_err(BranchError::from)?;
+    let log = folder.path().join("continuation.mcap");
+    let all = report.examples();
+    let mut quiet = ReadProgress::new(Arc::clone(&watch.interrupted), true);
+    let mut progress = Progress::new(all.len(), 0, watch.quiet, "continuations for the page");
+    let mut examples = Vec::new();
+    for &(time_s, stream) in &all {
+        let change = Change {
+            seed: stream,
+            ..report.change.clone()
+        };
+        parent.branch(parent.tick(time_s)?, &change, Some(&log), true, &mut quiet)?;
+        let mut example = continuation(&log, time_s, all.len(), &mut quiet)?;
+        if let Some(example) = example.as_object_mut() {
+            example.insert("time_s".to_owned(), time_s.into());
+            example.insert("stream".to_owned(), stream.into());
+        }
+        examples.push(example);
+        progress.done(false, String::new);
+    }
+    progress.finish();
+    Ok(examples.into())
 }
 
 fn text(report: &DecidedReport) -> String {

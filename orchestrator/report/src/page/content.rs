@@ -5,7 +5,7 @@ use std::path::Path;
 
 use geometry::map::ObstacleChange;
 use ipc_types::consumer::{Consumer, LoggedMessage};
-use ipc_types::messages::world::RobotState;
+use ipc_types::messages::world::{RobotState, WorldEvent};
 use ipc_types::topics::TopicId;
 use mcap_log::reader::Reader;
 use mcap_log::{Condition, LogReadError, ReadProgress};
@@ -24,9 +24,13 @@ use crate::run_model::{LoggedRun, Purpose};
 
 /// Maximum number of robot states that are stored.
 const MAX_STATES: usize = 400_000;
+/// Minimum time between two states of a continuation (ns).
+const MOTION_INTERVAL: u64 = 100_000_000;
+/// Kinds of events that the map shows (`drawMarks` in `page/layers.js`).
+const ON_MAP: [&str; 3] = ["captured", "escaped", "goal_reached"];
 
 /// The state of the world at a tick.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Frame {
     pub(super) tick: u64,
     pub(super) robots: Vec<RobotState>,
@@ -90,10 +94,13 @@ pub struct PageParts {
     timing: Timing,
 }
 
+fn weigh(frame: &Frame) -> usize {
+    frame.robots.len()
+}
+
 impl PageParts {
     /// Creates the parts before the first record.
     pub(super) fn new(marks: Marks) -> Self {
-        let weigh = |frame: &Frame| frame.robots.len();
         Self {
             run: LoggedRun::new(Purpose::Page),
             frames: Frames(ThinnedSeries::new(0, MAX_STATES, weigh)),
@@ -170,6 +177,34 @@ impl PageContent {
         parts.read_on(&mut reader, u64::MAX)?;
         reader.check_all()?;
         parts.content(&reader)
+    }
+
+    /// Reads the motion in a log from a time on (ns), and what the map shows of its events; keeps at most `most` states of robots.
+    pub(super) fn read_motion(
+        log: &Path,
+        from_ns: u64,
+        most: usize,
+        watch: &mut ReadProgress,
+    ) -> Result<Self, LogReadError> {
+        let mut reader = Reader::open(log, Some(watch))?;
+        let (marks, _) = Marks::from_log(log);
+        let mut parts = PageParts::new(marks);
+        let consumers: Vec<Box<dyn Consumer<LoggedRun> + '_>> = vec![
+            Box::new(&mut parts.frames),
+            Box::new(&mut parts.event_lists),
+        ];
+        parts.run.read_on(&mut reader, u64::MAX, consumers)?;
+        let mut content = parts.content(&reader)?;
+        let mut frames = ThinnedSeries::new(MOTION_INTERVAL, most, weigh);
+        for Sample { time_ns, key, item } in content.frames {
+            if time_ns >= from_ns {
+                frames.push(time_ns, key, item);
+            }
+        }
+        content.frames = frames.finish();
+        let events = &mut content.event_lists.events;
+        events.retain(|(_, event)| ON_MAP.contains(&WorldEvent::name_of(event.kind)));
+        Ok(content)
     }
 
     /// Name of a figure of a patrol, with its robots if there are several patrols.

@@ -308,7 +308,6 @@ pub fn facts(content: &mut PageContent) -> Json {
         "methods": Prediction::METHODS,
         "horizons_s": content.layers.horizons_s,
         "waypoint_outcomes": WaypointEnd::OUTCOMES,
-        "waypoint_kinds": WaypointEnd::KINDS,
         "latency": latency,
         "per_decade": PER_DECADE,
         "text": scenario_text,

@@ -16,10 +16,8 @@ use super::{facts, html, run};
 pub struct LivePage {
     log: PathBuf,
     open: Option<(Reader<'static>, PageParts)>,
-    /// Latest time up to which a replay was shown (ns).
-    reached_ns: u64,
-    /// Time of the last message, current time, end and control at the last call.
-    before: Option<(u64, Option<u64>, bool, Json)>,
+    /// Time of the last message, times of a replay, end and control at the last call.
+    before: Option<(u64, Option<[u64; 2]>, bool, Json)>,
 }
 
 impl LivePage {
@@ -28,7 +26,6 @@ impl LivePage {
         Self {
             log: log.to_owned(),
             open: None,
-            reached_ns: 0,
             before: None,
         }
     }
@@ -38,15 +35,15 @@ impl LivePage {
         html::page(&[], None, &facts::colours())
     }
 
-    /// Returns the data of the page (JSON, in one line): of the whole log so far, or of a replay up to the latest
-    /// `replayed_ns` so far (ns); `None` if nothing is new, and before the first message of the log. `ended`: the run
-    /// or the replay is over; `control`: what pages hold, null if they hold nothing.
+    /// Returns the data of the page (JSON, in one line): of the whole log so far, or of a replay, given its time and the latest
+    /// so far, up to which it is shown (ns); `None` if nothing is new, and before the first message of the log. `ended`: the
+    /// run or the replay is over; `control`: what pages hold, null if they hold nothing.
     ///
     /// # Errors
     /// [`LogReadError`]: the log cannot be read or is not a Protean log of this version.
     pub fn data(
         &mut self,
-        replayed_ns: Option<u64>,
+        replayed_ns: Option<[u64; 2]>,
         ended: bool,
         control: &Json,
     ) -> Result<Option<String>, LogReadError> {
@@ -60,9 +57,9 @@ impl LivePage {
         let Some((reader, parts)) = &mut self.open else {
             return Ok(None);
         };
-        self.reached_ns = self.reached_ns.max(replayed_ns.unwrap_or(u64::MAX));
         reader.resume()?;
-        let last_ns = parts.read_on(reader, self.reached_ns)?;
+        let last_ns =
+            parts.read_on(reader, replayed_ns.map_or(u64::MAX, |[_, reached]| reached))?;
         let state = Some((last_ns, replayed_ns, ended, control.clone()));
         if std::mem::replace(&mut self.before, state.clone()) == state {
             return Ok(None);
@@ -73,9 +70,12 @@ impl LivePage {
         let mut content = parts.clone().content(reader)?;
         let failed = |error| LogReadError::Argument(format!("{}: {error}", self.log.display()));
         let (mut page, _) = run(&mut content, Compression::fast()).map_err(failed)?;
-        let now_s = replayed_ns.unwrap_or(content.end_ns).min(content.end_ns) as f64 / 1e9;
+        let now_s =
+            replayed_ns.map_or(content.end_ns, |[now, _]| now.min(content.end_ns)) as f64 / 1e9;
         if let Some(facts) = page.facts.as_object_mut() {
-            let live = json!({ "now_s": now_s, "ended": ended, "control": control });
+            let replayed = replayed_ns.is_some();
+            let live =
+                json!({ "now_s": now_s, "ended": ended, "control": control, "replayed": replayed });
             facts.insert("live".to_owned(), live);
             let is_whole = content.condition.complete || ended && replayed_ns.is_none();
             if !is_whole {

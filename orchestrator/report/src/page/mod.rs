@@ -43,6 +43,9 @@ use self::pack::{Lists, Raster};
 pub use self::plots::{Plot, PlotCurve};
 use recorder::RobotOutcome;
 
+/// Maximum number of states of robots in all continuations of a page.
+const MOTION_STATES: usize = 240_000;
+
 /// A written page.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Report {
@@ -68,7 +71,8 @@ pub struct Report {
 }
 
 /// Writes the page of one log, or of several logs side by side. On an error, no file remains. `decided` are the shares of
-/// outcomes among continuations of the first log, as `protean decided --json` prints them, with `log`, its name.
+/// outcomes among continuations of the first log, as `protean decided --json` prints them, with `log`, its name, and `examples`: what
+/// [`fn@continuation`] returns of some, each with `time_s` and `stream`.
 ///
 /// # Errors
 /// [`DerivedError`]: a log cannot be read, is not a Protean log of this version, or the page cannot
@@ -126,6 +130,35 @@ pub fn render(
         report.bytes = page.len() as u64;
     }
     Ok((page, reports))
+}
+
+/// Returns the motion in the log of a branch from its moment on (s), for a page with as many continuations as `of` (`examples` of
+/// [`report`]).
+///
+/// # Errors
+/// As [`render`].
+pub fn continuation(
+    log: &Path,
+    from_s: f64,
+    of: usize,
+    watch: &mut ReadProgress,
+) -> Result<Json, LogReadError> {
+    let from_ns = (from_s * 1e9).round() as u64;
+    let mut content = PageContent::read_motion(log, from_ns, MOTION_STATES / of.max(1), watch)?;
+    let run = run(&mut content, Compression::best());
+    let (run, _) =
+        run.map_err(|error| LogReadError::Argument(format!("{}: {error}", log.display())))?;
+    let part = |at: &str| run.facts.pointer(at);
+    let lists = part("/lists")
+        .and_then(Json::as_array)
+        .into_iter()
+        .flatten();
+    let lists = lists.filter(|list| list.get("length") != Some(&json!(0)));
+    Ok(json!({
+        "end_s": part("/end_s"), "outcome": part("/outcome"), "events": part("/events"),
+        "changes": part("/ground/changes"), "raster": part("/raster"),
+        "lists": lists.collect::<Vec<_>>(), "data": run.data,
+    }))
 }
 
 /// Returns the differences of two logs for a page of both, or the reason why they cannot be compared (JSON).

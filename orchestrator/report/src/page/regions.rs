@@ -4,14 +4,13 @@ use ipc_types::messages::referee::{DominanceCell, DominanceHeader};
 use serde_json::{Value as Json, json};
 
 use super::thinning::{Sample, ThinnedSeries};
+use crate::run_model::is_grid;
 
 const SECOND: u64 = 1_000_000_000;
 /// Maximum number of cells along a side of the grid on the page.
 const MAX_SIDE: usize = 96;
 /// Maximum number of cells of all grids.
 const ALL_CELLS: usize = 2_000_000;
-/// Maximum coordinate of a grid (m), and maximum side of its cells (m).
-const MAX_COORDINATE: f64 = 1e6;
 
 /// Dominance regions, thinned out in space and time. All have the grid of the first.
 #[derive(Debug, Clone)]
@@ -45,17 +44,14 @@ impl Regions {
     pub(super) fn push(&mut self, time_ns: u64, header: &DominanceHeader, cells: &[DominanceCell]) {
         let (width, height) = (header.width as usize, header.height as usize);
         let origin = [header.origin_x, header.origin_y];
-        let is_sound = width > 0
-            && width.checked_mul(height) == Some(cells.len())
-            && header.resolution > 0.0
-            && header.resolution <= MAX_COORDINATE
-            && origin.iter().all(|c| c.abs() <= MAX_COORDINATE);
+        let side = header.resolution;
+        let is_sound = is_grid(cells.len(), width, header.height, side, origin);
         let grid = Grid {
             width,
             height,
             every: width.max(height).div_ceil(MAX_SIDE).max(1),
             origin,
-            side: header.resolution,
+            side,
         };
         if !is_sound || *self.grid.get_or_insert(grid) != grid || !self.owners.is_due(time_ns, 0) {
             return;

@@ -46,31 +46,14 @@ pub fn pack(content: &mut PageContent, raster: Raster, lists: &mut Lists) {
 
 /// Packs the states robot by robot, because successive states of a robot are similar.
 fn states(content: &PageContent, raster: Raster, lists: &mut Lists) {
-    let start;
-    let frames: &[Sample<Frame>] = if content.frames.is_empty() {
-        // Without states, the page shows the start poses.
-        start = [Sample {
-            time_ns: 0,
-            key: 0,
-            item: Frame {
-                tick: 0,
-                robots: Vec::new(),
-            },
-        }];
-        &start
-    } else {
-        &content.frames
-    };
-    lists.u32(
-        "tick",
-        frames.iter().map(|f| f.item.tick as u32).collect(),
-        2,
-    );
-    lists.u32(
-        "time",
-        frames.iter().map(|f| pack_time(f.time_ns)).collect(),
-        2,
-    );
+    // Without states, the page shows the start poses.
+    let start = [Sample::default()];
+    let is_empty = content.frames.is_empty();
+    let frames: &[Sample<Frame>] = if is_empty { &start } else { &content.frames };
+    let ticks = frames.iter().map(|f| f.item.tick as u32).collect();
+    lists.u32("tick", ticks, 2);
+    let times = frames.iter().map(|f| pack_time(f.time_ns)).collect();
+    lists.u32("time", times, 2);
     let robots = content.scenario.robots.len();
     let [mut x, mut y, mut theta] = [const { Vec::<u16>::new() }; 3];
     let mut flags = Vec::new();
@@ -217,38 +200,27 @@ fn edges(all: &[Sample<Vec<Edge>>], raster: Raster, lists: &mut Lists) {
     let (x, y) = back.map(|[x, y]| (x, y)).unzip();
     lists.u16("trees.back.x", x, 0);
     lists.u16("trees.back.y", y, 0);
-    lists.u8(
-        "trees.path",
-        each().map(|e| u8::from(e.on_path)).collect(),
-        0,
-    );
+    let chosen = each().map(|e| u8::from(e.on_path)).collect();
+    lists.u8("trees.path", chosen, 0);
 }
 
 /// Packs ranges in millimetres.
 fn beams(all: &[Sample<Beams>], lists: &mut Lists) {
     index("scans", all, |beams| beams.ranges.len(), lists);
-    let angles = all
-        .iter()
-        .flat_map(|s| [pack_angle(s.item.first), pack_angle(s.item.step)])
-        .collect();
-    lists.u16("scans.angles", angles, 0);
-    let ranges = all
-        .iter()
-        .flat_map(|s| &s.item.ranges)
-        .map(|&range| (f64::from(range) * 1e3).round().clamp(0.0, 65_534.0) as u16)
-        .collect();
-    lists.u16("scans.range", ranges, 1);
+    let angles = all.iter().flat_map(|s| [s.item.first, s.item.step]);
+    lists.u16("scans.angles", angles.map(pack_angle).collect(), 0);
+    let ranges = all.iter().flat_map(|s| &s.item.ranges);
+    let millimetres = ranges.map(|&range| (f64::from(range) * 1e3).round() as u16);
+    let millimetres = millimetres.map(|range| range.min(NONE - 1));
+    lists.u16("scans.range", millimetres.collect(), 1);
 }
 
 fn predicted(all: &[Sample<Vec<MethodPrediction>>], raster: Raster, lists: &mut Lists) {
     index("predictions", all, Vec::len, lists);
     let each = || all.iter().flat_map(|s| &s.item);
     lists.u8("predictions.method", each().map(|p| p.method).collect(), 0);
-    lists.u8(
-        "predictions.horizon",
-        each().map(|p| p.horizon).collect(),
-        0,
-    );
+    let horizons = each().map(|p| p.horizon).collect();
+    lists.u8("predictions.horizon", horizons, 0);
     let places = each().map(|p| raster.pack_if_inside(p.at));
     put_places("predictions", places, lists);
 }
@@ -257,26 +229,12 @@ fn waypoints(content: &PageContent, raster: Raster, lists: &mut Lists) {
     let all = &content.event_lists.waypoints;
     let times = all.iter().map(|(time_ns, _)| pack_time(*time_ns)).collect();
     lists.u32("waypoints.time", times, 1);
-    put_places(
-        "waypoints",
-        all.iter().map(|(_, w)| raster.pack_if_inside([w.x, w.y])),
-        lists,
-    );
-    lists.u8(
-        "waypoints.robot",
-        all.iter().map(|(_, w)| w.robot as u8).collect(),
-        0,
-    );
-    lists.u8(
-        "waypoints.outcome",
-        all.iter().map(|(_, w)| w.outcome).collect(),
-        0,
-    );
-    lists.u8(
-        "waypoints.kind",
-        all.iter().map(|(_, w)| w.kind).collect(),
-        0,
-    );
+    let places = all.iter().map(|(_, w)| raster.pack_if_inside([w.x, w.y]));
+    put_places("waypoints", places, lists);
+    let robots = all.iter().map(|(_, w)| w.robot as u8).collect();
+    lists.u8("waypoints.robot", robots, 0);
+    let outcomes = all.iter().map(|(_, w)| w.outcome).collect();
+    lists.u8("waypoints.outcome", outcomes, 0);
 }
 
 /// Packs the walls of a map that has no shapes: smallest and largest corner of rectangles.

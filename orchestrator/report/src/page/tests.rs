@@ -97,6 +97,24 @@ fn the_page_shows_the_result_of_the_run() {
 }
 
 #[test]
+fn a_continuation_has_the_motion_from_its_moment_on_within_its_share_of_the_page() {
+    let folder = tempfile::tempdir().unwrap();
+    let (log, summary) = play(folder.path());
+    let states = |of: usize| {
+        let motion = super::continuation(&log, 0.5, of, &mut watch()).unwrap();
+        assert_eq!(motion["outcome"], serde_json::json!(summary.robots));
+        assert_eq!(motion["end_s"], summary.sim_time_s);
+        let lists = motion["lists"].as_array().unwrap();
+        assert_eq!(lists[2]["name"], "x");
+        lists[2]["length"].as_u64().unwrap()
+    };
+    let robots = summary.robots.len() as u64;
+    // Every 0.1 s, and as few as possible.
+    assert_eq!(states(1), 6 * robots);
+    assert_eq!(states(super::MOTION_STATES), 3 * robots);
+}
+
+#[test]
 fn a_truncated_log_is_shown_as_far_as_it_goes() {
     let folder = tempfile::tempdir().unwrap();
     let (log, summary) = play(folder.path());

@@ -18,7 +18,7 @@ pub struct ThinnedSeries<T> {
 }
 
 /// One item.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Sample<T> {
     pub(super) time_ns: u64,
     pub(super) key: u32,

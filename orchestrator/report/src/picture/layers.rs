@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use ipc_types::messages::referee::{DominanceCell, DominanceHeader, Verdict};
 use ipc_types::messages::robot::{PlanPoint, TreeEdge};
 
-use crate::run_model::Cells;
+use crate::run_model::{Cells, is_grid};
 
 /// Maximum number of points of a plan, and of edges of a tree, that are stored.
 const MAX_PARTS: usize = 4000;
@@ -67,21 +67,13 @@ pub struct DominanceTrace {
     pub cut_off: Cells,
 }
 
-/// Layers of the robots that are still in the game.
-pub(super) struct MomentLayers {
-    pub(super) plans: Vec<PlanTrace>,
-    pub(super) trees: Vec<TreeTrace>,
-    pub(super) verdicts: Vec<VerdictTrace>,
-    pub(super) dominance: Option<DominanceTrace>,
-}
-
 /// The last plan, tree and verdict of every robot and the last dominance regions, updated by messages.
 #[derive(Debug, Default)]
 pub(super) struct Layers {
-    verdicts: BTreeMap<usize, VerdictTrace>,
-    plans: BTreeMap<usize, PlanTrace>,
-    trees: BTreeMap<usize, TreeTrace>,
-    dominance: Option<DominanceTrace>,
+    pub(super) verdicts: BTreeMap<usize, VerdictTrace>,
+    pub(super) plans: BTreeMap<usize, PlanTrace>,
+    pub(super) trees: BTreeMap<usize, TreeTrace>,
+    pub(super) dominance: Option<DominanceTrace>,
 }
 
 impl Layers {
@@ -123,20 +115,15 @@ impl Layers {
 
     /// Replaces the dominance regions; ignores cells that do not match the header.
     pub(super) fn dominance(&mut self, header: &DominanceHeader, cells: &[DominanceCell]) {
-        let (width, height) = (header.width as usize, header.height as usize);
-        let sound = cells.len() <= MAX_CELLS
-            && width > 0
-            && width.checked_mul(height) == Some(cells.len())
-            && header.resolution > 0.0
-            && header.resolution <= 1e5
-            && header.origin_x.abs() <= f64::from(MAX_COORDINATE)
-            && header.origin_y.abs() <= f64::from(MAX_COORDINATE);
-        if !sound {
+        let (side, width) = (header.resolution, header.width as usize);
+        let origin = [header.origin_x, header.origin_y];
+        let is_sound = is_grid(cells.len(), width, header.height, side, origin);
+        if !is_sound || cells.len() > MAX_CELLS {
             return;
         }
         let of = |owner: u8| Cells {
-            origin: [header.origin_x, header.origin_y],
-            side: header.resolution,
+            origin,
+            side,
             width,
             occupied: cells.iter().map(|cell| cell.owner == owner).collect(),
         };
@@ -147,21 +134,13 @@ impl Layers {
         });
     }
 
-    /// Returns the layers of the robots that are still in the game.
-    pub(super) fn finish(self, plays: impl Fn(usize) -> bool) -> MomentLayers {
-        let plans = self.plans.into_values();
-        let trees = self.trees.into_values();
-        let verdicts = self.verdicts.into_values();
-        MomentLayers {
-            plans: plans
-                .filter(|p| plays(p.robot) && p.points.len() > 1)
-                .collect(),
-            trees: trees
-                .filter(|t| plays(t.robot) && !t.edges.is_empty())
-                .collect(),
-            verdicts: verdicts.filter(|v| plays(v.robot)).collect(),
-            dominance: self.dominance,
-        }
+    /// Keeps those of the robots that are still in the game.
+    pub(super) fn keep(&mut self, plays: impl Fn(usize) -> bool) {
+        self.plans
+            .retain(|&robot, plan| plays(robot) && plan.points.len() > 1);
+        self.trees
+            .retain(|&robot, tree| plays(robot) && !tree.edges.is_empty());
+        self.verdicts.retain(|&robot, _| plays(robot));
     }
 }
 
@@ -208,17 +187,18 @@ mod tests {
                 ..TreeEdge::default()
             }],
         );
-        let done = layers.finish(|robot| robot != 1);
+        layers.keep(|robot| robot != 1);
+        let done = layers;
         assert_eq!(done.plans.len(), 2);
-        assert_eq!(done.plans[0].points, [[0.5, 0.0], [3.0, 0.0], [4.0, 0.0]]);
+        assert_eq!(done.plans[&0].points, [[0.5, 0.0], [3.0, 0.0], [4.0, 0.0]]);
         // Two points without times: the next one, and the one that the robot heads for.
-        assert_eq!(done.plans[1].points, [[0.5, 0.0], [1.0, 0.0]]);
+        assert_eq!(done.plans[&4].points, [[0.5, 0.0], [1.0, 0.0]]);
         assert_eq!(
-            (done.plans[0].aim, done.plans[1].aim),
+            (done.plans[&0].aim, done.plans[&4].aim),
             (None, Some([2.0, 0.0]))
         );
         assert_eq!(done.trees.len(), 1);
-        let words: Vec<String> = done.verdicts.iter().map(VerdictTrace::words).collect();
+        let words: Vec<String> = done.verdicts.values().map(VerdictTrace::words).collect();
         assert_eq!(words, ["escape possible by 2.3 s"]);
         assert!(done.dominance.is_none());
     }

@@ -267,37 +267,25 @@ fn finish(
     let tasks = run.facts.run.map_or_else(Vec::new, |run| run.tasks);
     let mut task = scenario.task(&tasks);
     task.places = run.patrols.iter().flat_map(PlaceTrace::of_patrol).collect();
-    let robots: Vec<RobotTrace> = scenario
-        .robots
-        .iter()
-        .enumerate()
-        .zip(
-            trails
-                .0
-                .into_iter()
-                .chain(std::iter::repeat_with(RobotRecord::default)),
-        )
-        .map(|((index, spec), seen)| RobotTrace {
-            radius: spec.model().radius,
-            sweeps: scenario.sweeps(index, &tasks),
-            name: spec.name.clone(),
-            team: spec.team.clone(),
-            role: spec.role(),
-            pose: if seen.present { seen.pose } else { spec.start },
-            active: seen.active || !seen.present,
-            trail: seen.trail,
-        })
-        .collect();
+    let unseen = std::iter::repeat_with(RobotRecord::default);
+    let seen = trails.0.into_iter().chain(unseen);
+    let robots = scenario.robots.iter().enumerate().zip(seen);
+    let robots = robots.map(|((index, spec), seen)| RobotTrace {
+        radius: spec.model().radius,
+        sweeps: scenario.sweeps(index, &tasks),
+        name: spec.name.clone(),
+        team: spec.team.clone(),
+        role: spec.role(),
+        pose: if seen.present { seen.pose } else { spec.start },
+        active: seen.active || !seen.present,
+        trail: seen.trail,
+    });
+    let robots: Vec<RobotTrace> = robots.collect();
     let plays = |robot: usize| robots.get(robot).is_some_and(|r| r.active);
-    let layers = moment.layers.finish(plays);
-    let entry = |key| {
-        run.facts
-            .origin
-            .manifest
-            .get(key)
-            .cloned()
-            .unwrap_or_default()
-    };
+    let mut layers = moment.layers;
+    layers.keep(plays);
+    let manifest = &run.facts.origin.manifest;
+    let entry = |key| manifest.get(key).cloned().unwrap_or_default();
     let trace = RunTrace {
         title: scenario.title,
         description: scenario.description,
@@ -314,10 +302,10 @@ fn finish(
             .filter(|(time, _)| time + 2 * run.tick_period_ns >= now_ns)
             .map(|(_, belief)| belief)
             .collect(),
-        plans: layers.plans,
-        trees: layers.trees,
+        plans: layers.plans.into_values().collect(),
+        trees: layers.trees.into_values().collect(),
         dominance: layers.dominance,
-        verdicts: layers.verdicts,
+        verdicts: layers.verdicts.into_values().collect(),
         marks: Vec::new(),
         task,
     };

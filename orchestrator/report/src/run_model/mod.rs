@@ -15,5 +15,5 @@ pub(crate) use facts::Facts;
 pub(crate) use logged_run::{LoggedRun, Purpose, is_near};
 pub(crate) use scenario::LoggedScenario;
 pub use static_scene::{Cells, StaticObstacle, StaticScene};
-pub(crate) use static_scene::{corners, rectangle};
+pub(crate) use static_scene::{corners, is_grid, rectangle};
 pub use task::{PlaceTrace, TaskTrace, WaypointTrace};

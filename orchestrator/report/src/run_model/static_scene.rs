@@ -122,22 +122,17 @@ impl StaticScene {
 
     /// Takes the walls from a map message; does nothing if its dimensions are inconsistent.
     pub(crate) fn use_cells(&mut self, header: &MapHeader, cells: &[MapCell]) {
-        let (width, height) = (header.width as usize, header.height as usize);
-        let sound = width > 0
-            && width.checked_mul(height) == Some(cells.len())
-            && header.resolution > 0.0
-            && header.resolution <= 1e5
-            && header.origin_x.abs() <= 1e7
-            && header.origin_y.abs() <= 1e7;
-        if !sound {
-            return;
+        let (side, width) = (header.resolution, header.width as usize);
+        let origin = [header.origin_x, header.origin_y];
+        if is_grid(cells.len(), width, header.height, side, origin) {
+            let occupied = cells.iter().map(|cell| cell.occupied != 0).collect();
+            self.set_cells(Cells {
+                origin,
+                side,
+                width,
+                occupied,
+            });
         }
-        self.set_cells(Cells {
-            origin: [header.origin_x, header.origin_y],
-            side: header.resolution,
-            width,
-            occupied: cells.iter().map(|cell| cell.occupied != 0).collect(),
-        });
     }
 
     /// Sets the walls and the bounds to those of a grid.
@@ -232,6 +227,12 @@ impl Cells {
         }
         done
     }
+}
+
+/// Returns `true` if a grid from a log has this number of cells, and is in a possible place: the side of a cell and the corner (m).
+pub fn is_grid(cells: usize, width: usize, height: u32, side: f64, origin: [f64; 2]) -> bool {
+    let is_whole = width > 0 && width.checked_mul(height as usize) == Some(cells);
+    is_whole && side > 0.0 && side <= 1e5 && origin.iter().all(|c| c.abs() <= 1e7)
 }
 
 /// Returns the corners of a shape (m), counter-clockwise (SVG leaves holes where shapes of opposite

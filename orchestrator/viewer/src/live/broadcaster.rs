@@ -38,6 +38,8 @@ struct State {
     channels: Vec<Channel>,
     viewers: BTreeMap<u64, Viewer>,
     time_ns: u64,
+    /// The latest time so far (ns).
+    reached_ns: u64,
     totals: LiveTotals,
     closed: bool,
 }
@@ -136,9 +138,10 @@ impl Broadcaster {
         self.lock().totals.cut_off += 1;
     }
 
-    /// Returns the current time (simulated ns).
-    pub(super) fn time_ns(&self) -> u64 {
-        self.lock().time_ns
+    /// Returns the simulated time, and the latest so far (ns): a replay may begin again.
+    pub(super) fn times_ns(&self) -> [u64; 2] {
+        let state = self.lock();
+        [state.time_ns, state.reached_ns]
     }
 
     /// Removes a viewer, which left or was disconnected (`cut_off`).
@@ -237,6 +240,7 @@ impl State {
         let Self {
             channels, viewers, ..
         } = self;
+        self.reached_ns = self.reached_ns.max(time_ns);
         if time_ns > self.time_ns {
             self.time_ns = time_ns;
             for viewer in viewers.values_mut() {

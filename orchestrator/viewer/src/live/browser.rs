@@ -93,8 +93,8 @@ fn obey(server_state: &ServerState, order: &[u8]) -> (&'static str, String) {
 
 /// Makes a branch, unless another one is being made.
 fn make(server_state: &ServerState, branch: &WhatIf) -> Result<String, WhatIfError> {
-    let log = server_state.pages.log();
-    let log = log.filter(|_| server_state.broadcaster.is_closed());
+    let ended = server_state.broadcaster.is_closed();
+    let log = server_state.pages.whole_log(ended);
     let log = log.ok_or(WhatIfError::Running)?;
     let Ok(_one) = server_state.branches.try_lock() else {
         return Err(WhatIfError::Busy);
@@ -130,7 +130,7 @@ fn stream(server_state: &ServerState, tcp: &TcpStream, admission: &Admission) ->
         let ended = broadcaster.is_closed();
         match server_state.pages.newer(
             number,
-            broadcaster.time_ns(),
+            broadcaster.times_ns(),
             ended,
             server_state.control.as_deref(),
         ) {

@@ -40,17 +40,18 @@ impl PageData {
         latest.log = Some(log.to_owned());
     }
 
-    /// Returns the shown log.
-    pub(super) fn log(&self) -> Option<PathBuf> {
+    /// Returns the shown log once it is whole: at the end of its run, always of a replay.
+    pub(super) fn whole_log(&self, ended: bool) -> Option<PathBuf> {
         let latest = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        latest.log.clone()
+        let is_replayed = latest.source.as_ref().is_some_and(|source| source.1);
+        latest.log.clone().filter(|_| ended || is_replayed)
     }
 
-    /// Returns the latest line with its number, if that is not `than`. `now_ns`: simulated time (ns).
+    /// Returns the latest line with its number, if that is not `than`. `times_ns`: simulated time, and the latest so far (ns).
     pub(super) fn newer(
         &self,
         than: u64,
-        now_ns: u64,
+        times_ns: [u64; 2],
         ended: bool,
         control: Option<&Control>,
     ) -> Option<(u64, Arc<[u8]>)> {
@@ -62,7 +63,7 @@ impl PageData {
             latest.is_last = ended;
             let data = latest.source.as_mut().map(|(page, replayed)| {
                 let control = json!(control.map(Control::wish));
-                page.data(replayed.then_some(now_ns), ended, &control)
+                page.data(replayed.then_some(times_ns), ended, &control)
             });
             let line = match data {
                 Some(Ok(line)) => line,

@@ -1,4 +1,4 @@
-//! Branches that a page asks for after the end of its run: this program makes each as `protean branch`, one at a time.
+//! Branches that a page asks for after the end of its run, or during a replay: this program makes each as `protean branch`, one at a time.
 
 use std::io;
 use std::os::unix::process::CommandExt as _;

@@ -11,6 +11,13 @@ function element(tag, properties = {}, ...children) {
   return made;
 }
 
+/** A tree of its own for a run in a part of the page, since all runs have the same elements. */
+function ownTree(host) {
+  const root = host.attachShadow({ mode: 'open' });
+  root.append(control('style').cloneNode(true), control('viewer').content.cloneNode(true));
+  return root;
+}
+
 /** Index of the last of these ascending numbers that is at most a value; -1 if all are above. */
 function lastUpTo(numbers, value, length = numbers.length) {
   let low = 0, high = length;

@@ -1,7 +1,7 @@
 // Shares of the recorded outcomes among continuations (`protean decided`), against the time of branching.
 
 if (facts.decided) {
-  const { log, threshold, moments, decisions, change } = facts.decided;
+  const { log, threshold, moments, decisions, change, examples } = facts.decided;
   const z2 = 3.8415;
 
   /** Outcomes of a robot among the continuations from a moment. */
@@ -28,8 +28,10 @@ if (facts.decided) {
   plot.most = 100;
   $('event-words').after(plot.box);
 
+  let yOf = () => 0;
   /** Draws the threshold, and of each shown curve the interval and the bracket of the decision. */
   plot.under = (ctx, x, y) => {
+    yOf = y;
     ctx.strokeStyle = colours.faint;
     ctx.beginPath(); ctx.moveTo(x(0), y(100 * threshold)); ctx.lineTo(x(axisEnd()), y(100 * threshold)); ctx.stroke();
     curves.forEach(({ time, low, high }, i) => {
@@ -47,30 +49,77 @@ if (facts.decided) {
     });
   };
 
-  const hint = element('p', { className: 'hint', textContent: 'Click a moment: how two of its continuations are shown side by side.' });
-  const commands = element('pre', { hidden: true });
-  plot.box.append(hint, commands);
+  const hint = element('p', { className: 'hint', textContent: 'Click a moment: two of its continuations, with different outcomes, are shown side by side.' });
+  const open = element('button', { textContent: 'Continuations from here' });
+  const host = element('div', { className: 'continuations' });
+  plot.box.append(hint, open, host);
   const quoted = (word) => (/^[\w@%+=:,./-]+$/.test(word) ? word : `'${word.replaceAll("'", "'\\''")}'`);
 
-  /** Shows the commands for two continuations from the moment next to a time: with the recorded outcome, and with another. */
-  function showMoment(t) {
-    const i = plot.curves.findIndex(({ on }) => on);
-    if (i < 0) return;
-    const decision = decisions[i];
-    const nearest = moments.reduce((a, b) => (Math.abs(b.time_s - t) < Math.abs(a.time_s - t) ? b : a));
-    const found = outcomesOf(nearest, decision.robot);
-    const pair = ['same', 'other'].map((name) => ({
-      name, of: found.find(({ outcome }) => (outcome === decision.outcome) === (name === 'same')),
-    })).filter(({ of }) => of);
-    const counted = found.map(({ outcome, count }) => `${words(outcome)} in ${count}`).join(', ');
-    hint.textContent = `${decision.robot} from ${timeText(nearest.time_s)} s on: ${counted} of ${nearest.continuations} continuations.`;
+  /** The command that records a continuation. */
+  function command({ time_s: t, stream }) {
     const options = ['set', 'draw', 'replace', 'command', 'place', 'reseed'].flatMap((key) => (change[key] ?? []).map((text) => `--${key}=${text}`));
     if (change.for !== undefined) options.push(`--for=${change.for}`);
-    const branch = ['protean', 'branch', log, `--at=${+nearest.time_s.toFixed(9)}`, ...options];
-    const lines = pair.map(({ name, of }) => [...branch, `--seed=${of.stream}`, `--out=${name}.mcap`]);
-    lines.push(['protean', 'report', ...pair.map(({ name }) => `${name}.mcap`), '--open']);
-    commands.textContent = lines.map((line) => line.map(quoted).join(' ')).join('\n');
-    commands.hidden = false;
+    const branch = ['protean', 'branch', log, `--at=${+t.toFixed(9)}`, ...options, `--seed=${stream}`];
+    return branch.map(quoted).join(' ');
   }
-  plot.canvas.addEventListener('click', () => showMoment(clock.t));
+
+  /** A continuation as a run: with the map of this one, and without its layers. */
+  async function runOf({ changes, lists: states, data: packed, ...example }) {
+    return {
+      facts: {
+        ...facts, ...example, ground: { ...facts.ground, changes }, robots: facts.robots.map((robot) => ({ ...robot, sweeps: 0 })),
+        decided: null, coverage: null, predictions: null, attacks: [], patrols: [], plots: [], latency: [], missing: [],
+        lists: [...facts.lists.map((list) => ({ ...list, length: 0 })), ...states],
+      },
+      data: await unpack(packed),
+    };
+  }
+
+  /** Shows the map of a run alone in a part of the page. */
+  function showMap(parent, run) {
+    const root = ownTree(parent);
+    const [whole] = root.querySelectorAll('.viewer');
+    whole.classList.add('bare');
+    const made = viewer(root, run.facts, run.data, null, false);
+    root.getElementById('events').remove();
+    return made;
+  }
+
+  let wanted;
+  /** Plays the continuations from the moment next to a time beside each other: with the two most frequent outcomes of a robot. */
+  async function showMoment(t, y) {
+    const nearest = (all) => all.reduce((a, b) => (Math.abs(b.time_s - t) < Math.abs(a.time_s - t) ? b : a));
+    const choice = decisions.map((decision, i) => {
+      const own = moments.filter(({ time_s: at }) => at <= decision.time_s && examples.some((example) => example.time_s === at));
+      return { decision, on: plot.curves[i].on && own.length > 0, moment: own.length && nearest(own) };
+    }).filter(({ on }) => on);
+    if (!choice.length) return;
+    const away = ({ decision, moment }) => Math.abs(yOf(100 * shareOf(moment, decision).share) - y);
+    const { decision: { robot }, moment } = y === undefined ? choice[0] : choice.reduce((a, b) => (away(b) < away(a) ? b : a));
+    const outcomes = [...outcomesOf(moment, robot)].sort((a, b) => b.count - a.count);
+    const counted = outcomes.map(({ outcome, count }) => `${words(outcome)} in ${count}`).join(', ');
+    hint.textContent = `${robot} from ${timeText(moment.time_s)} s on: ${counted} of ${moment.continuations} continuations.`;
+    const pair = outcomes.slice(0, 2).map(({ stream }) => examples.find((own) => own.time_s === moment.time_s && own.stream === stream));
+    wanted = pair;
+    const runs = await Promise.all(pair.map(runOf));
+    if (wanted !== pair) return;
+    clock.viewers.splice(1).forEach((run) => run.close());
+    host.replaceChildren();
+    runs.forEach((run, i) => {
+      const { outcome, share, interval: { low, high }, stream } = outcomes[i];
+      const [whole, least, most] = [share, low, high].map((part) => (100 * part).toFixed(0));
+      const map = element('div');
+      host.append(element('section', {}, element('b', { textContent: `${robot} ${words(outcome)}` }),
+        `: ${whole} % (${least} to ${most} %), stream ${stream}`, map, element('pre', { textContent: command(pair[i]) })));
+      clock.viewers.push(showMap(map, run));
+    });
+    clock.end = Math.max(...clock.viewers.map((run) => run.end));
+    control('scrub').max = clock.end;
+    refreshAll();
+    clock.seek(moment.time_s);
+    clock.play();
+    host.scrollIntoView({ block: 'nearest' });
+  }
+  plot.canvas.addEventListener('click', (event) => showMoment(clock.t, event.offsetY));
+  open.addEventListener('click', () => showMoment(clock.t));
 }

@@ -70,11 +70,19 @@ async function untilFree() {
   while (isPressed || document.activeElement?.tagName === 'SELECT') await sleep(50);
 }
 
-/** Shows that the mission has ended; its server may make branches of it. */
-function endLive(source) {
+/** Shows whether the mission has ended; the server may make branches of it then, and of a replay at any time. */
+function offerBranches(source) {
+  const { ended, control: controlled, replayed } = source.facts.live;
+  if (controlled && (replayed || (ended && source.facts.digest))) whatIf.offer(source);
+  if (!ended) return;
   sayLive('ended');
   control('live').hidden = true;
-  if (source.facts.live.control && source.facts.digest) whatIf.offer(source);
+}
+
+/** Shows the present of the running mission. */
+function followLive() {
+  whatIf.close();
+  if (clock.isRunning) clock.follow();
 }
 
 /** Shows newer data as they come, to those of the end. */
@@ -85,14 +93,17 @@ async function showLive(ended) {
   document.addEventListener('change', (event) => { if (event.target.tagName === 'SELECT') event.target.blur(); });
   try {
     while (!ended) {
-      const { facts, data } = await live.next();
+      const source = await live.next();
       await untilFree();
       const began = performance.now();
-      mount({ facts, data });
-      clock.grow(clock.viewers[0].end, facts.live);
-      world.show(facts.live.control);
-      ({ ended } = facts.live);
-      if (ended) endLive({ facts, data });
+      // A branch stays beside the data that it had.
+      if (clock.viewers.length === 1) {
+        mount(source);
+        clock.grow(clock.viewers[0].end, source.facts.live);
+        world.show(source.facts.live.control);
+      }
+      offerBranches(source);
+      ({ ended } = source.facts.live);
       // A slow machine shows fewer of them.
       await sleep(3 * (performance.now() - began));
     }

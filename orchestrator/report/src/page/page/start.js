@@ -16,15 +16,14 @@ if (isLive) {
     return;
   }
 }
-/** Builds a run on the page; one of a pair in a tree of its own, since both have the same elements. */
+/** Builds a run on the page. */
 function build({ facts, data }, before) {
   const host = element('div', { className: 'run' });
   control('runs').append(host);
   const isPair = document.body.classList.contains('pair');
   let root = document;
   if (isPair) {
-    root = host.attachShadow({ mode: 'open' });
-    root.append(control('style').cloneNode(true), control('viewer').content.cloneNode(true));
+    root = ownTree(host);
   } else {
     host.append(control('viewer').content.cloneNode(true));
     // Those of a running mission stay where they are while the rest is replaced.
@@ -80,7 +79,7 @@ control('previous').addEventListener('click', () => clock.toEvent(-1));
 control('next').addEventListener('click', () => clock.toEvent(1));
 control('scrub').addEventListener('input', () => clock.seek(Number(control('scrub').value)));
 control('speed').addEventListener('change', () => clock.setSpeed(Number(control('speed').value)));
-control('live').addEventListener('click', () => clock.follow());
+control('live').addEventListener('click', followLive);
 control('help').addEventListener('click', () => control('keys').showModal());
 window.addEventListener('hashchange', () => { if (clock.addressed() >= 0) clock.seek(clock.addressed()); });
 
@@ -95,7 +94,7 @@ const KEYS = {
   '+': all((run) => run.zoom(1.4)), '=': all((run) => run.zoom(1.4)), '-': all((run) => run.zoom(1 / 1.4)),
   0: all((run) => run.showAll()),
   n: () => clock.toEvent(1), p: () => clock.toEvent(-1), ']': () => clock.toEvent(1), '[': () => clock.toEvent(-1),
-  l: () => { if (clock.isRunning) clock.follow(); },
+  l: followLive,
   h: () => world.hold(), s: () => world.step(), '<': () => world.changePace(-1), '>': () => world.changePace(1),
   f: all((run) => run.followNext()),
   '?': () => control('keys').showModal(),
@@ -135,8 +134,8 @@ if (isLive) {
   control('live').hidden = false;
   clock.grow(clock.end, sources[0].facts.live);
   world.show(sources[0].facts.live.control);
-  if (clock.isRunning) clock.follow();
-  else endLive(sources[0]);
+  followLive();
+  offerBranches(sources[0]);
   showLive(!clock.isRunning);
 } else clock.t = Math.min(clock.end, clock.addressed() >= 0 ? clock.addressed() : Math.min(...clock.viewers.map((run) => run.opening)));
 refreshAll();

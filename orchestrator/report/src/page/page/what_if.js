@@ -1,7 +1,7 @@
-// What if: the ended mission anew from a moment on, with robots at other places or other values, beside the original.
+// What if: the ended or replayed mission anew from a moment on, with robots at other places or other values, beside the original.
 
 const whatIf = {
-  /** The ended run (facts and data); null where the server makes no branches. */
+  /** The newest data of the run (facts and data); null where the server makes no branches. */
   source: null,
   /** Places of moved robots (m), by name. */
   places: new Map(),
@@ -43,6 +43,9 @@ const whatIf = {
       const { run, made } = await world.ask({ branch: change });
       const branch = { facts: run.facts, data: await unpack(run.data) };
       showRuns([this.source, branch], made.comparison);
+      // Both are shown to their ends.
+      clock.isRunning = false;
+      world.show(null);
       clock.pause();
       clock.seek(change.at_s);
       this.say(`Second run: ${made.log}, digest ${made.digest}. The same again: `, element('code', { textContent: made.command }));
@@ -56,8 +59,17 @@ const whatIf = {
     this.places.clear();
     control('what-if-set').value = '';
     this.say();
-    if (clock.viewers.length > 1) showRuns([this.source]);
+    this.close();
     clock.redraw();
+  },
+
+  /** Shows the run alone again. */
+  close() {
+    if (!this.source || clock.viewers.length === 1) return;
+    const { live: state } = this.source.facts;
+    showRuns([this.source]);
+    clock.grow(clock.end, state);
+    world.show(state.control);
   },
 };
 
