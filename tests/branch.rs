@@ -1,5 +1,7 @@
 //! `protean branch` and `protean decided`: what precedes a branch is its parent's history, with processes or in one thread.
 
+mod external_programs;
+
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -7,9 +9,10 @@ use std::time::{Duration, Instant};
 use rustix::process::Signal;
 use serde_json::{Value as Json, json};
 
+use crate::package;
 use crate::support::browser::browse;
 use crate::support::sandbox::signal;
-use crate::support::{SOON, Sandbox, until, wait_for_tick};
+use crate::support::{SOON, Sandbox, skipped, until, wait_for_tick};
 
 /// Scenarios of 6 s with beliefs, trees, requests to the optimiser, obstacles that appear, verdicts, laps and areas.
 const SCENARIOS: [&str; 8] = [
@@ -23,19 +26,36 @@ const SCENARIOS: [&str; 8] = [
     "coverage_polygons",
 ];
 
-/// Records 6 s of a scenario and branches it at moments that follow from `draw`: without a change, with other streams, and
-/// with a command. Each branch must be its parent before its moment, and to the end without a change. Returns the number of
-/// branches.
-fn branch_at_random(sandbox: &Sandbox, scenario: &str, draw: &mut u64) -> u64 {
+/// Records 6 s of a scenario, or of one with programs in Python, and branches it at moments that follow from `draw`: without a
+/// change, with other streams, and with a command. Each branch must be its parent before its moment, and to the end without a
+/// change. Returns the number of branches.
+fn branch_at_random(
+    sandbox: &Sandbox,
+    scenario: &str,
+    python: Option<&Path>,
+    draw: &mut u64,
+) -> u64 {
+    let call = |words: &str| {
+        let call = sandbox.protean(words.split(' '));
+        match python {
+            Some(python) => call.arg("--allow-external").first_in_path(python).run(),
+            None => call.run(),
+        }
+    };
+    let way = if python.is_none() {
+        "--in-process "
+    } else {
+        ""
+    };
     let mut next = |below: u64| {
         *draw = draw.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
         (*draw >> 33) % below
     };
     let run = format!(
-        "run {scenario} --in-process --quiet --force --out a.mcap --set rules.time_limit=6 --seed {}",
+        "run {scenario} {way}--quiet --force --out a.mcap --set rules.time_limit=6 --seed {}",
         next(1000)
     );
-    let run = sandbox.protean(run.split(' ')).run();
+    let run = call(&run);
     assert_eq!(run.code, Some(0), "{run}");
     let info = sandbox
         .protean("info a.mcap --json".split(' '))
@@ -52,7 +72,7 @@ fn branch_at_random(sandbox: &Sandbox, scenario: &str, draw: &mut u64) -> u64 {
         // A multiple of every tick period.
         let at_s = next((end_s * 5.0 - 1.0) as u64) as f64 / 5.0;
         let words = format!("branch a.mcap --at {at_s} --force --out b.mcap --json{change}");
-        let branch = sandbox.protean(words.split(' ')).run();
+        let branch = call(&words);
         assert_eq!(branch.code, Some(0), "{scenario} {words}: {branch}");
         let report = branch.json();
         assert_eq!(report["same"], true, "{scenario} {words}: {branch}");
@@ -62,7 +82,7 @@ fn branch_at_random(sandbox: &Sandbox, scenario: &str, draw: &mut u64) -> u64 {
                 "{scenario}: {branch}"
             );
         }
-        let verified = sandbox.protean("verify b.mcap --quiet".split(' ')).run();
+        let verified = call("verify b.mcap --quiet");
         assert_eq!(verified.code, Some(0), "{scenario} {words}: {verified}");
     }
     changes.len() as u64
@@ -72,7 +92,7 @@ fn branch_at_random(sandbox: &Sandbox, scenario: &str, draw: &mut u64) -> u64 {
 fn a_branch_without_a_change_equals_its_parent_and_others_do_up_to_their_moment() {
     let (sandbox, mut draw) = (Sandbox::new(), 12_345);
     for scenario in SCENARIOS {
-        branch_at_random(&sandbox, scenario, &mut draw);
+        branch_at_random(&sandbox, scenario, None, &mut draw);
     }
 }
 
@@ -88,7 +108,45 @@ fn branches_of_all_built_in_scenarios_are_their_parents_up_to_their_moments() {
             break;
         }
         let name = scenario["name"].as_str().unwrap();
-        branches += branch_at_random(&sandbox, name, &mut draw);
+        branches += branch_at_random(&sandbox, name, None, &mut draw);
+    }
+    println!("{branches} branches");
+}
+
+#[test]
+#[ignore = "ten minutes: docs/how-to/branch.md says how to run it"]
+fn branches_with_programs_in_python_are_their_parents_up_to_their_moments() {
+    let python = match &*package::PYTHON {
+        Ok(python) => python.as_path(),
+        Err(reason) => return skipped("branches with programs in Python", reason),
+    };
+    let (sandbox, mut draw, mut branches) = (Sandbox::new(), 1, 0);
+    for (name, text) in [
+        (
+            "hall.toml",
+            include_str!("../examples/python_planner/hall.toml"),
+        ),
+        (
+            "planner.py",
+            include_str!("../examples/python_planner/planner.py"),
+        ),
+        (
+            "bearings.toml",
+            include_str!("../examples/external_sensor/bearings.toml"),
+        ),
+        (
+            "bearings.py",
+            include_str!("../examples/external_sensor/bearings.py"),
+        ),
+    ] {
+        sandbox.file(name, text);
+    }
+    for scenario in ["hall.toml", "bearings.toml"].iter().cycle() {
+        if branches >= 52 {
+            break;
+        }
+        branches += branch_at_random(&sandbox, scenario, Some(python), &mut draw);
+        sandbox.assert_nothing_left();
     }
     println!("{branches} branches");
 }

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use crate::chaos::{Fault, inject};
 use crate::support::call::PATIENCE;
 use crate::support::history::{History, State};
-use crate::support::programs::driven_by;
+use crate::support::programs::{as_program, driven_by};
 use crate::support::{PROTEAN, SOON, Sandbox, until, wait_for_tick};
 
 /// Writes to stdout; its panic is followed by a long backtrace.
@@ -47,12 +47,6 @@ folder = "away""#;
     let folder = format!("[own] in {}\n", sandbox.path().join("far/away").display());
     outcome.refused(1, &[&folder, error]);
     sandbox.assert_nothing_left();
-}
-
-/// The lines of an external program that is the process of a built-in kind.
-fn as_program(kind: &str, params: &str) -> String {
-    let script = format!("exec '{PROTEAN}' process {kind} --config \\\"$PROTEAN_CONFIG\\\"");
-    format!("command = [\"/bin/sh\", \"-c\", \"{script}\"]\nparams = {params}")
 }
 
 #[test]

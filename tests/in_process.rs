@@ -2,7 +2,6 @@
 
 use crate::support::Sandbox;
 use crate::support::history::History;
-use crate::support::programs::driven_by;
 use scenario::builtin::SCENARIOS;
 use serde_json::Value as Json;
 
@@ -338,10 +337,4 @@ fn what_needs_processes_is_refused_by_name() {
     assert!(real_time.contains("run.mode"), "{real_time}");
     let both = refused(&["hello", "--real-time"], &[]);
     assert!(both.contains("--real-time"), "{both}");
-    sandbox.file("own.toml", driven_by("mine", r#"command = ["./mine"]"#));
-    let external = refused(&["own.toml", "--allow-external"], &[]);
-    assert!(
-        external.contains("processes.mine.command") && external.contains("run it as"),
-        "{external}"
-    );
 }

@@ -9,7 +9,7 @@ use std::sync::LazyLock;
 use crate::support::{PROTEAN, Sandbox, python, skipped};
 
 /// The interpreter of the environment with the wheel, or why there is none.
-static PYTHON: LazyLock<Result<PathBuf, String>> = LazyLock::new(|| {
+pub static PYTHON: LazyLock<Result<PathBuf, String>> = LazyLock::new(|| {
     let python = python::prepare(python::PACKAGES)?;
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let wheels = tempfile::tempdir().unwrap();

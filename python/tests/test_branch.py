@@ -73,6 +73,38 @@ def test_outcomes_are_decided_at_a_moment_or_not_before_the_end(chase: pr.Run) -
         assert 0.0 <= low <= high <= decision["time_s"]
 
 
+PLANNER = """
+import protean_robotics as pr
+
+@pr.planner
+def steer(robot: pr.Robot) -> tuple[float, float]:
+    return 0.1, 0.3
+
+if __name__ == "__main__":
+    pr.serve(steer)
+"""
+MISSION = """
+world.map = "builtin:hello"
+rules.time_limit = 2.0
+robots = [{ name = "robot", team = "neutral", start = { x = 0.5, y = 0.5, theta = 0.0 } }]
+processes = [{ name = "mine", command = ["python3", "mine.py"], robots = ["robot"] }]
+"""
+
+
+def test_a_run_of_a_program_in_python_is_branched_with_it(tmp_path: Path) -> None:
+    (tmp_path / "mine.py").write_text(PLANNER)
+    (tmp_path / "mission.toml").write_text(MISSION)
+    run = pr.run(tmp_path / "mission.toml", allow_external=True, out=tmp_path / "run.mcap")
+    same = run.branch(1.0, allow_external=True, out=tmp_path / "same.mcap")
+    assert same.digest == run.digest
+    stopped = run.branch(1.0, command={"robot": (0.0, 0.0)}, allow_external=True, out=tmp_path / "stopped.mcap")
+    assert stopped.digest != run.digest
+    report = run.decided(moments=1, continuations=2, share=0.5, allow_external=True)
+    assert report["moments"][0]["continuations"] >= 2
+    with pytest.raises(pr.InvalidInput, match="external programs"):
+        run.branch(1.0)
+
+
 def test_what_cannot_be_branched_is_refused(chase: pr.Run, tmp_path: Path) -> None:
     with pytest.raises(pr.InvalidInput, match="at|--at"):
         chase.branch(1000.0)

@@ -67,6 +67,14 @@ impl<'a> Call<'a> {
         self
     }
 
+    /// With the folder of a program before all others in `PATH`.
+    pub fn first_in_path(mut self, program: &Path) -> Self {
+        let folder = program.parent().unwrap().display();
+        let path = std::env::var("PATH").unwrap_or_default();
+        self.command.env("PATH", format!("{folder}:{path}"));
+        self
+    }
+
     /// Limits the address space (KiB): larger allocations fail, and the program reports it.
     pub fn with_memory(self, kib: &str) -> Self {
         self.through("sh", &["-c", "ulimit -v \"$0\" && exec \"$@\"", kib])

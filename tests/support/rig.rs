@@ -90,7 +90,8 @@ impl Rig {
         let wiped = Wiped(RunSpace::new(directory.path().join("r"), prefix).unwrap());
         let space = &wiped.0;
         space.create_root().unwrap();
-        let plan = Plan::new(&scenario, space.root(), space.prefix(), "warn").unwrap();
+        let mut plan = Plan::new(&scenario, "warn").unwrap();
+        plan.place(space);
         let bus = Bus::join(space, plan.run.bus_options(), "test").unwrap();
         let mut create = Create(&bus, Vec::new());
         for_each_topic(&mut create).unwrap();

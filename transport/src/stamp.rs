@@ -35,6 +35,12 @@ impl Stamp {
     /// Offset of `sent_ns` (bytes).
     pub const SENT_AT: usize = core::mem::offset_of!(Stamp, sent_ns);
 
+    /// Becomes the stamp of a message with this number on a bus without clocks.
+    pub fn renumber(&mut self, sequence: u64) {
+        self.sequence = sequence;
+        self.clocks_mut().into_iter().for_each(|clock| *clock = 0);
+    }
+
     /// All clocks, mutable.
     pub fn clocks_mut(&mut self) -> [&mut u64; 5] {
         [

@@ -143,6 +143,21 @@ impl Bus {
         opened
     }
 
+    /// Returns another handle of a bus in memory, with the mute of the process that opens its ports now; `None` for a bus
+    /// between processes.
+    pub fn handle(&self) -> Option<Self> {
+        let Backend::Local(topics) = &self.backend else {
+            return None;
+        };
+        Some(Self {
+            backend: Backend::Local(Rc::clone(topics)),
+            options: self.options,
+            turn: self.turn.clone(),
+            inbox: RefCell::default(),
+            mute: self.mute.clone(),
+        })
+    }
+
     /// Returns `true` if the run is in one thread ([`Bus::local`]).
     pub fn is_local(&self) -> bool {
         matches!(self.backend, Backend::Local(_))

@@ -234,11 +234,16 @@ impl<T: Topic> Publisher<T> {
         }
     }
 
-    /// Sends a message again, as [`Publisher::send`] does, but keeps its stamp.
+    /// Sends a message again, as [`Publisher::send`] does, but keeps its stamp. On a bus in memory, whose publishers count
+    /// together and without clocks, it gets the next number and no times.
     ///
     /// # Errors
     /// As [`Publisher::send`].
-    pub fn repeat(&self, header: T::Header, elements: &[T::Element]) -> Result<usize, SendError> {
+    pub fn repeat(
+        &self,
+        mut header: T::Header,
+        elements: &[T::Element],
+    ) -> Result<usize, SendError> {
         self.check(elements.len())?;
         match &self.port {
             Port::Ipc(port) => {
@@ -246,9 +251,12 @@ impl<T: Topic> Publisher<T> {
                     memory.copy_from_slice(elements);
                 }))
             }
-            Port::Local(port) => Self::sent(port.send(&self.sequence, |message| {
-                message.fill(header, |own| own.extend_from_slice(elements));
-            })),
+            Port::Local(port) => {
+                header.stamp_mut().renumber(self.sequence.get());
+                Self::sent(port.send(&self.sequence, |message| {
+                    message.fill(header, |own| own.extend_from_slice(elements));
+                }))
+            }
         }
     }
 

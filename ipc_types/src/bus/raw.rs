@@ -211,7 +211,13 @@ impl AnyPublisher for RawPublisher {
         let Some((header, elements, count)) = cdr::split(self.facts, bytes) else {
             return Ok(false);
         };
-        self.put(header, elements, count, false)?;
+        let mut header = header.to_vec();
+        if matches!(self.port, SendPort::Local(_))
+            && let Ok((stamp, _)) = Stamp::mut_from_prefix(&mut header)
+        {
+            stamp.renumber(self.sequence.get());
+        }
+        self.put(&header, elements, count, false)?;
         Ok(true)
     }
 

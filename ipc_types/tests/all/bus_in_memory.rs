@@ -78,6 +78,20 @@ fn no_clock_is_read() {
 }
 
 #[test]
+fn a_message_that_is_sent_again_gets_the_next_number_and_no_times() {
+    let bus = local(false);
+    let publisher = bus.publisher::<WorldState>(port(0, 1)).unwrap();
+    let subscriber = bus.subscriber::<WorldState>().unwrap();
+    publisher.send(state(0), &[]).unwrap();
+    let mut header = state(1);
+    (header.stamp.sequence, header.stamp.sent_ns) = (7, 9);
+    publisher.repeat(header, &[]).unwrap();
+    subscriber.receive().unwrap().unwrap();
+    let stamp = subscriber.receive().unwrap().unwrap().header().stamp;
+    assert_eq!((stamp.tick, stamp.sequence, stamp.sent_ns), (1, 1, 0));
+}
+
+#[test]
 fn features_of_processes_are_refused_by_name() {
     let bus = local(false);
     for (error, name) in [

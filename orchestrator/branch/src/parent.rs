@@ -183,7 +183,7 @@ impl Parent {
         let points = self.points(tick, change);
         let options = InProcessOptions {
             out: out.map(Path::to_owned),
-            libraries: true,
+            external: true,
             failures: self.failures.clone(),
             branches: branches(&points, &self.scenario, &self.kinds)?,
             source: serde_json::to_string(&points)

@@ -3,7 +3,8 @@
 //! A *walk* executes the run once with the random streams of one number, and with its branch prepared. At each wanted tick it
 //! copies its process ([`platform::fork`]): in the copy the branch begins, and the walk goes on when the copy has ended. So
 //! the state of every process at that tick is there without being written or executed again. Each walk is a copy itself, of
-//! the process of the caller, and writes a line per continuation into a pipe.
+//! the process of the caller, and writes a line per continuation into a pipe. A copy has no children of its own: with external
+//! programs each continuation has a walk of its own, which executes it from the start.
 
 use std::cell::Cell;
 use std::collections::{BTreeMap, VecDeque};
@@ -15,7 +16,7 @@ use std::sync::atomic::Ordering;
 
 use mcap_log::{LogReadError, ReadProgress};
 use mission::MissionError;
-use mission::in_process::{Cache, InProcessOptions};
+use mission::in_process::{Cache, InProcessOptions, has_children};
 use platform::fork::{ProcessCopy, end, fork, lead_group};
 use platform::progress::Progress;
 use replay::lineage::Change;
@@ -124,7 +125,12 @@ impl<'a> Continuations<'a> {
         let mut waiting: VecDeque<(u64, Vec<u64>)> = VecDeque::new();
         for (seed, mut ticks) in by_seed {
             ticks.sort_unstable();
-            let parts = ticks.chunks(ticks.len().div_ceil(parts));
+            let size = if has_children(&self.parent.scenario) {
+                1
+            } else {
+                ticks.len().div_ceil(parts)
+            };
+            let parts = ticks.chunks(size);
             waiting.extend(parts.map(|ticks| (seed, ticks.to_vec())));
         }
         let (mut walks, mut found) = (Vec::new(), BTreeMap::new());
@@ -178,6 +184,10 @@ impl<'a> Continuations<'a> {
         let (answers, writing) = pipe().map_err(BranchError::Copy)?;
         let Some(copy) = fork().map_err(BranchError::Copy)? else {
             lead_group();
+            if self.watch.interrupted.load(Ordering::Relaxed) {
+                // The next signal, a second one, would end it at once, with its external programs.
+                end(false);
+            }
             let walk = || self.walk(seed, &ticks, writing);
             end(catch_unwind(AssertUnwindSafe(walk)).unwrap_or(false));
         };

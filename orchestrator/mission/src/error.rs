@@ -120,10 +120,11 @@ impl MissionError {
             Self::Log(error) => !matches!(error, LogWriteError::Write { .. }),
             Self::LogDirectory(_) | Self::NotStarted { .. } => true,
             Self::Live(error) => matches!(error, LiveError::Listen { .. }),
-            Self::InProcess(error) => !matches!(
-                error,
-                InProcessError::Process { .. } | InProcessError::Panicked { .. }
-            ),
+            Self::InProcess(error) => match error {
+                InProcessError::Hosted(error) => error.downcast_ref().is_some_and(Self::is_refusal),
+                InProcessError::Process { .. } | InProcessError::Panicked { .. } => false,
+                _ => true,
+            },
             _ => false,
         }
     }
@@ -175,6 +176,9 @@ pub enum InProcessError {
         /// Robot, place and what is there.
         source: Box<WorldError>,
     },
+    /// The external program of a process failed; the error names it.
+    #[error(transparent)]
+    Hosted(Box<dyn core::error::Error + Send + Sync>),
     /// A process failed.
     #[error("process {name} failed {when}: {source}")]
     Process {

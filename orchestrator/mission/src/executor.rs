@@ -1,6 +1,7 @@
 //! Execution of the supervisor's actions, and observation of the processes.
 
 use std::os::fd::BorrowedFd;
+use std::rc::Rc;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -18,9 +19,9 @@ use super::resources::RunResources;
 use super::shm_usage;
 
 /// Processes of a run and the resources that control them. A process is identified by its index among the launches.
-pub(super) struct Executor<'a> {
-    resources: &'a RunResources,
-    launches: &'a [Launch],
+pub(super) struct Executor {
+    resources: Rc<RunResources>,
+    launches: Vec<Launch>,
     monitor: BarrierMonitor,
     processes: ProcessGroup,
     /// Destination of process events and output lines, if any.
@@ -29,11 +30,11 @@ pub(super) struct Executor<'a> {
     echo: bool,
 }
 
-impl<'a> Executor<'a> {
+impl Executor {
     /// Assigns each of these processes its slot at the barrier.
-    pub(super) fn new(resources: &'a RunResources, launches: &'a [Launch], echo: bool) -> Self {
+    pub(super) fn new(resources: Rc<RunResources>, launches: Vec<Launch>, echo: bool) -> Self {
         let monitor = BarrierMonitor::new(Arc::clone(&resources.barrier));
-        for launch in launches {
+        for launch in &launches {
             let slot = launch.config.index as usize;
             monitor.assign_slot(slot, slot != 0, launch.is_awaited());
         }

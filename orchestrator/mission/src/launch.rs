@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use ipc_types::topics::{OptimiserPlan, Service as _};
 use runtime::config::{ProcessConfig, RunConfig, document, ticks_within};
 use runtime::declaration::{self, Declaration, Flow};
 use runtime::link::Link;
@@ -138,6 +139,20 @@ pub(super) fn launches(
         },
     ));
     Ok(launches)
+}
+
+/// Returns the processes of a run that may be asked by `asking`, and are none of them: no topic carries requests and answers.
+pub fn answering<'a>(
+    asking: &[Launch],
+    all: &'a [Launch],
+) -> impl Iterator<Item = &'a Launch> + use<'a> {
+    let answers = Flow::Answers(OptimiserPlan::NAME);
+    let asks = |launch: &Launch| launch.declaration.is_none() || launch.reads(answers);
+    let indices: Vec<u32> = asking.iter().map(|launch| launch.config.index).collect();
+    let found = if asking.iter().any(asks) { all } else { &[] };
+    found
+        .iter()
+        .filter(move |launch| launch.writes(answers) && !indices.contains(&launch.config.index))
 }
 
 /// Returns the number of ticks after its own for which a command of a process counts: until the next one is due. Over a link

@@ -1,15 +1,14 @@
 //! Execution of one run, from the resolved scenario to the summary: starts, supervises, records and ends its
 //! processes, and removes all its resources.
 //!
-//! * [`plan`], `launch`, `obstacle_schedule`: configuration of every process; [`dataflow`]: its picture;
+//! * [`plan`], `launch`, `obstacle_schedule`: configuration of every process;
 //! * [`run_directory`], `resources`, `shm_usage`, `orphans`: resources of a run, and of abandoned runs;
-//! * [`child_process`], [`process_group`]: processes and their turns;
+//! * [`child_process`], [`process_group`], [`stepped_processes`]: processes and their turns;
 //! * `supervisor`, `decide`, `executor`, `process_log`: events of processes and the reactions;
 //! * `recording`, `fields_of_view`, `recorder_thread`, `progress`, `team_colours`, [`report`]: log, display and summary;
 //! * `run`: a run with operating-system processes; [`in_process`]: a run in one thread of this process.
 
 pub mod child_process;
-pub mod dataflow;
 mod decide;
 mod error;
 mod executor;
@@ -30,7 +29,8 @@ pub mod resources;
 mod run;
 pub mod run_directory;
 mod shm_usage;
-pub mod supervisor;
+pub mod stepped_processes;
+mod supervisor;
 mod team_colours;
 
 pub use error::{InProcessError, MissionError};

@@ -75,7 +75,6 @@ pub(super) fn event_schedule(
 
 #[cfg(test)]
 mod tests {
-    use std::path::Path;
 
     use sim_backend::spec::Condition;
 
@@ -86,7 +85,7 @@ mod tests {
     fn plan(overrides: &[&str]) -> Plan {
         let overrides: Vec<String> = overrides.iter().map(|&o| o.to_owned()).collect();
         let scenario = load("chase_popup", &overrides, None).unwrap();
-        Plan::new(&scenario, Path::new("/tmp/x"), "p_", "warn").unwrap()
+        Plan::new(&scenario, "warn").unwrap()
     }
 
     #[test]

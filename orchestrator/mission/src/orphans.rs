@@ -56,11 +56,10 @@ pub(super) fn become_subreaper() -> Result<()> {
     let mut runs = runs();
     if runs.before.is_none() {
         // First: a child that is not known would be killed.
-        let before = children()?;
-        set_child_subreaper(Some(getpid()))?;
-        runs.before = Some(before);
+        runs.before = Some(children()?);
     }
-    Ok(())
+    // Also in a copy of a process that is one.
+    Ok(set_child_subreaper(Some(getpid()))?)
 }
 
 /// Kills the orphans of a run's external programs, after the processes of the run have ended.

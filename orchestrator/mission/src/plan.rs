@@ -1,10 +1,10 @@
 //! Conversion of a resolved scenario into the configuration of every process of the run.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use geometry::map::{ObstacleChange, WorldMap};
-use ipc_types::bus::{Publisher, SendError};
+use ipc_types::bus::{Publisher, RunSpace, SendError};
 use ipc_types::messages::world::ObstacleEvent;
 use ipc_types::stamp::PlainHeader;
 use ipc_types::topics::{Belief, ObstacleEvents, OptimiserPlan, Service as _, TopicId, Waypoints};
@@ -16,7 +16,7 @@ use runtime::shapes;
 use serde_json::Value as Json;
 use simulator::SimulatorParams;
 
-pub use super::launch::{Launch, Role};
+pub use super::launch::{Launch, Role, answering};
 pub use super::obstacle_schedule::ScheduledChange;
 
 use super::{launch, obstacle_schedule};
@@ -63,23 +63,16 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Plans a run of the scenario in a directory.
+    /// Plans a run of the scenario, without its place.
     ///
     /// # Errors
     /// [`PlanError`] if the map is invalid or an event does not fit its message.
-    pub fn new(
-        scenario: &ResolvedScenario,
-        root: &Path,
-        prefix: &str,
-        log_level: &str,
-    ) -> Result<Self, PlanError> {
+    pub fn new(scenario: &ResolvedScenario, log_level: &str) -> Result<Self, PlanError> {
         if let Some(process) = scenario.processes.iter().find(|p| p.is_to_be_asked()) {
             return Err(PlanError::NotAsked(process.name.clone()));
         }
         let map = WorldMap::recent(&scenario.world.map)?;
         let run = RunConfig {
-            root: root.to_owned(),
-            prefix: prefix.to_owned(),
             log_level: log_level.to_owned(),
             ..run_config(scenario, &map)?
         };
@@ -103,6 +96,16 @@ impl Plan {
             obstacle_changes,
             standing,
         })
+    }
+
+    /// Gives the run its directory and its names in shared memory.
+    pub fn place(&mut self, space: &RunSpace) {
+        let processes = self.launches.iter_mut();
+        let configs = processes.map(|launch| &mut launch.config.run);
+        for run in configs.chain([&mut self.run]) {
+            space.root().clone_into(&mut run.root);
+            space.prefix().clone_into(&mut run.prefix);
+        }
     }
 
     /// Sends the obstacle changes at ticks known in advance.
@@ -282,7 +285,7 @@ mod tests {
     fn plan(name: &str, overrides: &[&str]) -> Plan {
         let overrides: Vec<String> = overrides.iter().map(|&o| o.to_owned()).collect();
         let scenario = load(name, &overrides, None).unwrap();
-        Plan::new(&scenario, Path::new("/tmp/x"), "p_", "warn").unwrap()
+        Plan::new(&scenario, "warn").unwrap()
     }
 
     #[test]

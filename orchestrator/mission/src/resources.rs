@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use ipc_types::bus::{AnyTopic, Bus, BusError, BusOptions, TopicHolder};
-use ipc_types::topics::OptimiserPlan;
+use ipc_types::topics::{OptimiserPlan, TopicId};
 use runtime::lockstep::TickBarrier;
 
 use super::error::MissionError;
@@ -36,16 +36,30 @@ impl RunResources {
         log_level: &str,
         bus: impl FnOnce(BusOptions) -> BusOptions,
     ) -> Result<Self, MissionError> {
+        Self::of_plan(Plan::new(scenario, log_level)?, bus)
+    }
+
+    /// Creates the resources of a planned run, and gives it its place; `bus` may change the options of its bus.
+    ///
+    /// # Errors
+    /// As [`Self::create`].
+    pub(super) fn of_plan(
+        mut plan: Plan,
+        bus: impl FnOnce(BusOptions) -> BusOptions,
+    ) -> Result<Self, MissionError> {
         // Removes the remains of killed orchestrators. A failure matters only if this run gets no directory, which
         // `create` reports.
         let _ = run_directory::clean();
         shm_usage::check_start()?;
         let directory = RunDirectory::create()?;
         let space = directory.space();
-        let plan = Plan::new(scenario, space.root(), space.prefix(), log_level)?;
+        plan.place(space);
         let bus = Bus::join(space, bus(plan.run.bus_options()), "orchestrator")?;
         let topics = create_topics(&bus, &plan)?;
-        let barrier = Arc::new(TickBarrier::create(space.prefix(), plan.launches.len())?);
+        let barrier = Arc::new(TickBarrier::create(
+            space.prefix(),
+            plan.run.processes as usize,
+        )?);
         Ok(Self {
             plan,
             barrier,
@@ -58,6 +72,12 @@ impl RunResources {
     /// Returns the directory of the run.
     pub fn root(&self) -> &Path {
         self.directory.space().root()
+    }
+
+    /// Returns `true` if a process subscribes to a topic.
+    pub(super) fn is_heard(&self, topic: TopicId) -> bool {
+        let mut topics = self.topics.iter();
+        topics.any(|held| held.topic() == topic.name() && held.listeners() > 0)
     }
 
     /// Returns `true` if a process outside the run subscribes to a topic of the run.

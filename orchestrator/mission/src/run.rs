@@ -2,6 +2,7 @@
 
 use std::os::fd::AsFd as _;
 use std::path::PathBuf;
+use std::rc::Rc;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -79,7 +80,7 @@ pub fn run(
         options.log_level.as_str()
     };
     let live = options.live.map(LiveServer::start).transpose()?;
-    let resources = RunResources::create(scenario, log_level, |bus| bus)?;
+    let resources = Rc::new(RunResources::create(scenario, log_level, |bus| bus)?);
     let monitor = BarrierMonitor::new(Arc::clone(&resources.barrier));
     monitor.pace(options.pace.unwrap_or(f64::INFINITY), false, 0);
     let mirror = live.as_ref().map(|live| Box::new(live.tap()) as _);
@@ -100,14 +101,19 @@ pub fn run(
 
     let requests = Arc::<DrainRequests>::default();
     let hang_timeout = Duration::from_secs_f64(scenario.run.hang_timeout_s);
-    let launches = &resources.plan.launches;
+    let launches = resources.plan.launches.clone();
     let event_log = ProcessEventLog::open(&resources, Arc::clone(&requests))?;
     for line in remark_lines(&resources.plan, &options.remarks) {
         // Without room a remark is missing in the log, as a line of a process is.
         let _ = event_log.line_sender().try_send(line);
     }
-    let mut supervisor =
-        Supervisor::new(&resources, launches, hang_timeout, !options.quiet).with_log(event_log);
+    let mut supervisor = Supervisor::new(
+        Rc::clone(&resources),
+        launches,
+        hang_timeout,
+        !options.quiet,
+    )
+    .with_log(event_log);
     let recorder = RecorderThread::start(&resources, requests, recording, printer)?;
     let mut active = ActiveRun {
         resources: &resources,
@@ -177,12 +183,13 @@ struct ActiveRun<'a> {
 
 impl ActiveRun<'_> {
     /// Executes the run from the start of its processes to the end of the game.
-    fn execute(&mut self, supervisor: &mut Supervisor<'_>) -> Result<EndCause, MissionError> {
+    fn execute(&mut self, supervisor: &mut Supervisor) -> Result<EndCause, MissionError> {
         let (bus, plan) = (&self.resources.bus, &self.resources.plan);
         let options = PublisherOptions::new(plan.orchestrator_index(), 1);
         let control: Publisher<Control> = bus.publisher(options)?;
         let obstacles: Publisher<ObstacleEvents> = bus.publisher(options)?;
-        if !supervisor.start(self.interrupted)? || !supervisor.connect(self.interrupted)? {
+        supervisor.start()?;
+        if !supervisor.open(self.interrupted)? || !supervisor.connect(self.interrupted)? {
             return Ok(EndCause::Interrupted);
         }
         control.update_connections()?;
@@ -212,7 +219,7 @@ impl ActiveRun<'_> {
     }
 
     /// Supervises the run until the game is over, the run is interrupted, or a process fails.
-    fn supervise(&mut self, supervisor: &mut Supervisor<'_>) -> Result<EndCause, MissionError> {
+    fn supervise(&mut self, supervisor: &mut Supervisor) -> Result<EndCause, MissionError> {
         let barrier = &self.resources.barrier;
         loop {
             let wish = self

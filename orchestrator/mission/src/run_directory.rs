@@ -165,10 +165,15 @@ impl RunDirectory {
         let mut attempts = 1;
         loop {
             match Self::try_create(base) {
-                // A `clean` removed it before it was locked.
+                // A `clean` removed it before it was locked, or its name is taken: copies of a process draw the same ones.
                 Err(RunDirectoryError::Io { source, .. })
                     if attempts < MAX_ATTEMPTS
-                        && matches!(source.kind(), ErrorKind::NotFound | ErrorKind::WouldBlock) =>
+                        && matches!(
+                            source.kind(),
+                            ErrorKind::NotFound
+                                | ErrorKind::WouldBlock
+                                | ErrorKind::DirectoryNotEmpty
+                        ) =>
                 {
                     attempts += 1;
                 }

@@ -1,6 +1,7 @@
 //! Supervision of the processes of a run: passes their events to `decide`, and the resulting actions to `executor`.
 
 use std::os::fd::BorrowedFd;
+use std::rc::Rc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -22,23 +23,23 @@ const SHORT_POLL_INTERVAL: Duration = Duration::from_millis(2);
 const POLL_INTERVAL: Duration = Duration::from_millis(10);
 
 /// Supervisor of the processes of a run: starts, observes and stops them, at the latest when it is dropped.
-pub struct Supervisor<'a> {
-    executor: Executor<'a>,
+pub struct Supervisor {
+    executor: Executor,
     state: State,
 }
 
-impl<'a> Supervisor<'a> {
+impl Supervisor {
     /// Assigns each of these processes its slot at the barrier; with `echo`, their output is shown.
     pub fn new(
-        resources: &'a RunResources,
-        launches: &'a [Launch],
+        resources: Rc<RunResources>,
+        launches: Vec<Launch>,
         hang_timeout: Duration,
         echo: bool,
     ) -> Self {
         let in_lock_step = resources.plan.run.clock == Clock::LockStep;
         Self {
+            state: State::new(&launches, in_lock_step, hang_timeout),
             executor: Executor::new(resources, launches, echo),
-            state: State::new(launches, in_lock_step, hang_timeout),
         }
     }
 
@@ -48,12 +49,19 @@ impl<'a> Supervisor<'a> {
         self
     }
 
-    /// Starts all processes and waits until their ports are open. Returns `false` if `interrupted` before.
+    /// Starts all processes.
     ///
     /// # Errors
     /// [`MissionError`] names the process that cannot be started.
-    pub fn start(&mut self, interrupted: &AtomicBool) -> Result<bool, MissionError> {
-        self.executor.start()?;
+    pub(super) fn start(&mut self) -> Result<(), MissionError> {
+        self.executor.start()
+    }
+
+    /// Waits until the ports of all processes are open. Returns `false` if `interrupted` before.
+    ///
+    /// # Errors
+    /// [`MissionError`] names the process that fails or takes too long.
+    pub(super) fn open(&mut self, interrupted: &AtomicBool) -> Result<bool, MissionError> {
         self.reach(SlotState::Ready, interrupted)
     }
 
@@ -161,7 +169,7 @@ impl<'a> Supervisor<'a> {
     }
 }
 
-impl Drop for Supervisor<'_> {
+impl Drop for Supervisor {
     fn drop(&mut self) {
         self.stop();
     }

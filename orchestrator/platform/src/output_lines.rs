@@ -3,8 +3,9 @@
 use std::collections::VecDeque;
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read as _};
-use std::sync::mpsc::{self, Receiver, SyncSender};
+use std::sync::mpsc::{self, Receiver, RecvTimeoutError, SyncSender};
 use std::sync::{Arc, Mutex};
+use std::thread::JoinHandle;
 use std::time::Duration;
 
 use crate::eprintln;
@@ -36,8 +37,8 @@ pub struct OutputLines {
     kept: Arc<Mutex<LastLines>>,
     /// `true` if every line has been shown already.
     echo: bool,
-    /// Closed when every process that could write to this pipe has ended.
-    reader: Option<Receiver<()>>,
+    /// The thread, and what it closes when every process that could write to this pipe has ended.
+    reader: Option<(JoinHandle<()>, Receiver<()>)>,
 }
 
 impl OutputLines {
@@ -56,7 +57,7 @@ impl OutputLines {
         let kept = Arc::new(Mutex::new(LastLines::default()));
         let (to, name) = (Arc::clone(&kept), name.to_owned());
         let (reading, reader) = mpsc::channel();
-        std::thread::Builder::new()
+        let thread = std::thread::Builder::new()
             .name(format!("output-{slot}"))
             .spawn(move || {
                 let _reading = reading;
@@ -77,15 +78,18 @@ impl OutputLines {
         Ok(Self {
             kept,
             echo,
-            reader: Some(reader),
+            reader: Some((thread, reader)),
         })
     }
 
     /// Waits for the last lines of a process that has ended, until its end of the pipe is closed. A process outside its
     /// group may keep the pipe open.
     pub fn finish(&mut self) {
-        if let Some(reader) = self.reader.take() {
-            let _ = reader.recv_timeout(LAST_LINES_TIMEOUT);
+        if let Some((thread, reader)) = self.reader.take()
+            && reader.recv_timeout(LAST_LINES_TIMEOUT) == Err(RecvTimeoutError::Disconnected)
+        {
+            // A process that is copied next may have no second thread.
+            let _ = thread.join();
         }
     }
 

@@ -174,7 +174,7 @@ fn given_place(text: &str, now: &ResolvedScenario) -> Option<GivenPlace> {
 /// Returns the seeds of the processes with other random streams. A process whose links lose messages keeps its own, from
 /// which the losses follow, and so does one that answers requests.
 fn seeds(change: &Change, now: &ResolvedScenario) -> Result<BTreeMap<String, u64>, ReplayError> {
-    let plan = Plan::new(now, Path::new(""), "", "warn").map_err(MissionError::from)?;
+    let plan = Plan::new(now, "warn").map_err(MissionError::from)?;
     let launches = plan.launches.iter().filter(|launch| {
         let mut outputs = launch.declaration.iter().flat_map(|d| &d.outputs);
         launch.config.links.iter().all(|link| link.loss <= 0.0)

@@ -174,7 +174,7 @@ pub fn run_again(
             last_tick,
             show: !watch.quiet,
             interrupted,
-            libraries: true,
+            external: true,
             branches,
             failures,
             ..InProcessOptions::default()

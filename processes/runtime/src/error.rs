@@ -61,6 +61,9 @@ pub enum ProcessError {
     /// Request to end in the middle of the run, by SIGTERM or because the orchestrator has gone.
     #[error("terminated in the middle of the run")]
     Terminated,
+    /// A program outside of this one, which runs the process; the error names the process.
+    #[error(transparent)]
+    Outside(Box<dyn core::error::Error + Send + Sync>),
     /// The algorithm cannot continue.
     #[error("{0}")]
     Algorithm(String),

@@ -6,7 +6,6 @@
 
 use std::cell::Cell;
 use std::collections::{BTreeMap, VecDeque};
-use std::path::Path;
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -21,6 +20,7 @@ use simulator::process::Simulator;
 
 use super::super::error::{InProcessError, MissionError};
 use super::super::plan::{Launch, Plan, Role};
+use super::hosted::Host;
 use super::processes::{LocalProcess, LocalProcesses, failed, open_process, order};
 
 /// Change of a run from a tick on.
@@ -83,11 +83,12 @@ pub(super) fn prepared(
     programs: &BTreeMap<String, ConfiguredKind>,
     bus: &Bus,
     maps: &Arc<Maps>,
+    host: Option<&Host>,
 ) -> Result<VecDeque<PreparedBranch>, MissionError> {
     let mut all = VecDeque::new();
     let (mut last, mut seeds) = (plan.clone(), BTreeMap::new());
     for branch in branches {
-        let mut next = Plan::new(&branch.scenario, Path::new(""), "", "warn")?;
+        let mut next = Plan::new(&branch.scenario, "warn")?;
         seeds.extend(&branch.seeds);
         for launch in &mut next.launches {
             let Some(&&seed) = seeds.get(&launch.config.name) else {
@@ -119,7 +120,9 @@ pub(super) fn prepared(
                 continue;
             }
             let program = programs.get(name).filter(|_| launch.kind().is_none());
-            let mut process = bus.muted(&mute, || open_process(launch, program, bus))?;
+            let mut process = bus.muted(&mute, || {
+                open_process(launch, followers, program, bus, host)
+            })?;
             process.process.share_maps(maps);
             changed.push(process);
         }

@@ -1,7 +1,7 @@
 //! Libraries of planners and processes that this program loads itself.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use library_planner::{Library, LibraryParams, LibraryPlanner, LibraryProgram};
 use planner::{PlannerProcess, TopicProcess};
@@ -10,6 +10,23 @@ use scenario::{Program, ResolvedScenario};
 
 use super::super::child_process::OWN_NAME;
 use super::super::error::InProcessError;
+
+/// Returns the file of a library.
+fn library_of(program: &Program) -> Option<PathBuf> {
+    let Program::Command { words, folder, .. } = program else {
+        return None;
+    };
+    let [OWN_NAME, "planner", file] = *words.iter().map(String::as_str).collect::<Vec<_>>() else {
+        return None;
+    };
+    Some(Path::new(folder).join(file))
+}
+
+/// Returns `true` if a run in one thread starts external programs, whose state no copy of this process contains.
+pub fn has_children(scenario: &ResolvedScenario) -> bool {
+    let mut external = scenario.external_commands();
+    external.any(|process| library_of(&process.program).is_none())
+}
 
 /// Adds the kinds of the processes whose command is a library for this program: `["protean", "planner", LIBRARY]`.
 ///
@@ -20,14 +37,10 @@ pub(super) fn load(
     programs: &mut BTreeMap<String, ConfiguredKind>,
 ) -> Result<(), InProcessError> {
     for process in &scenario.processes {
-        let Program::Command { words, folder, .. } = &process.program else {
+        let Some(file) = library_of(&process.program) else {
             continue;
         };
-        let [OWN_NAME, "planner", file] = *words.iter().map(String::as_str).collect::<Vec<_>>()
-        else {
-            continue;
-        };
-        let library = Library::load(&Path::new(folder).join(file));
+        let library = Library::load(&file);
         let library = library.map_err(|source| InProcessError::Library {
             name: process.name.clone(),
             source: Box::new(source),

@@ -9,10 +9,11 @@ use scenario::kind::ConfiguredKind;
 use sim_backend::world::World;
 use simulator::process::Simulator;
 
-use super::super::error::{InProcessError, MissionError};
+use super::super::error::InProcessError;
 use super::super::plan::Plan;
-use super::branches::{Branch, PreparedBranch, prepared};
+use super::branches::PreparedBranch;
 use super::direct::DirectRun;
+use super::hosted::Host;
 use super::processes::{LocalProcess, LocalProcesses, failed};
 use super::tracks::Track;
 
@@ -21,23 +22,25 @@ pub(super) struct LocalRun {
     leader: String,
     simulator: Simulator,
     followers: LocalProcesses,
-    branches: VecDeque<PreparedBranch>,
+    pub(super) branches: VecDeque<PreparedBranch>,
 }
 
 impl LocalRun {
-    /// Opens the ports of all processes, which share `maps`; `programs` run in the place of those with their names.
+    /// Opens the ports of all processes, which share `maps`; `programs` run in the place of those with their names, and
+    /// external programs in that of a host.
     pub(super) fn open_with(
         plan: &Plan,
         programs: &BTreeMap<String, ConfiguredKind>,
         bus: &Bus,
         maps: &Arc<Maps>,
+        host: Option<&Host>,
     ) -> Result<Self, InProcessError> {
         let Some((leader, params, followers)) = plan.split_simulator() else {
             return Err(InProcessError::NoSimulator);
         };
         let simulator = Simulator::open(&leader.config, params, bus, Some(Arc::clone(maps)))
             .map_err(|source| failed(&leader.config.name, None, source))?;
-        let mut followers = LocalProcesses::open_with(followers, programs, bus)?;
+        let mut followers = LocalProcesses::open_with(followers, programs, bus, host)?;
         for follower in &mut followers.processes {
             follower.process.share_maps(maps);
         }
@@ -47,22 +50,6 @@ impl LocalRun {
             followers,
             branches: VecDeque::new(),
         })
-    }
-
-    /// Opens the changed processes of branches, whose ticks ascend.
-    ///
-    /// # Errors
-    /// As [`prepared`].
-    pub(super) fn add_branches(
-        &mut self,
-        plan: &Plan,
-        branches: &[Branch],
-        programs: &BTreeMap<String, ConfiguredKind>,
-        bus: &Bus,
-        maps: &Arc<Maps>,
-    ) -> Result<(), MissionError> {
-        self.branches = prepared(plan, branches, programs, bus, maps)?;
-        Ok(())
     }
 
     /// Ends the processes that have failed by the current tick.

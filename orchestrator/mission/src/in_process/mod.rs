@@ -3,13 +3,15 @@
 //! It executes the code of the separate processes over a bus in memory, in the order of lock-step. The simulator
 //! publishes the state of a tick; every process steps after those it waits for; the simulator takes the commands and
 //! steps the world. All messages are identical: digest, outcome and metrics are those of a run with processes. There
-//! are no clocks and therefore no latencies. A crash is not contained, and of external programs only libraries can run.
+//! are no clocks and therefore no latencies. A crash is not contained, except that of an external program: it is a child
+//! (`hosted`).
 //!
 //! Runs share only the data of their maps in [`InProcessOptions::cache`], so that each run may have its own
 //! thread.
 
 mod branches;
 mod direct;
+mod hosted;
 mod libraries;
 mod local_run;
 pub mod placement;
@@ -19,16 +21,17 @@ mod tracks;
 
 pub use branches::{Branch, GivenCommand, GivenPlace};
 pub use direct::DirectRun;
+pub use libraries::has_children;
 pub use processes::LocalProcesses;
 pub use stepped::SteppedRun;
 pub use tracks::Track;
 
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use ipc_types::bus::{Bus, Publisher, PublisherOptions};
 use ipc_types::stamp::Stamp;
@@ -36,6 +39,8 @@ use ipc_types::topics::{ObstacleEvents, ProcessLog};
 use platform::output_lines::MAX_TEXT_BYTES;
 use runtime::maps::Maps;
 
+use self::branches::prepared;
+use self::hosted::Host;
 use self::local_run::LocalRun;
 use super::error::{InProcessError, MissionError};
 use super::plan::Plan;
@@ -70,8 +75,8 @@ pub struct InProcessOptions {
     /// Kinds that run in the place of those of the scenario, external programs among them, by the name of the process.
     /// Each is the same planner as the one that it replaces, so that the digest is that of a run with processes.
     pub programs: BTreeMap<String, ConfiguredKind>,
-    /// `true` if the libraries that the scenario names may be loaded into this program.
-    pub libraries: bool,
+    /// `true` if the external programs that the scenario names may run: libraries in this program, others as its children.
+    pub external: bool,
     /// Processes that fail, by name, with the first tick without each; the run goes on.
     pub failures: BTreeMap<String, u64>,
     /// Changes in the course of the run; their ticks ascend.
@@ -103,7 +108,8 @@ impl Cache {
 /// Runs a scenario to its end in this thread.
 ///
 /// # Errors
-/// [`MissionError::InProcess`] if the scenario has real-time mode or an external program, or if a process fails;
+/// [`MissionError::InProcess`] if the scenario has real-time mode, or external programs without
+/// [`InProcessOptions::external`], or if a process fails;
 /// others as for [`mission::run`](fn@crate::run).
 ///
 /// ```
@@ -136,11 +142,10 @@ pub fn run_until(
         return Err(InProcessError::RealTime.into());
     }
     let mut programs = options.programs.clone();
-    if options.libraries {
-        libraries::load(scenario, &mut programs)?;
-    }
     let mut external = scenario.external_commands();
-    if let Some(process) = external.find(|process| !programs.contains_key(&process.name)) {
+    if options.external {
+        libraries::load(scenario, &mut programs)?;
+    } else if let Some(process) = external.find(|process| !programs.contains_key(&process.name)) {
         let name = process.name.clone();
         return Err(InProcessError::External { name }.into());
     }
@@ -164,7 +169,7 @@ fn execute(
     begins: &mut dyn FnMut(u64) -> Result<bool, MissionError>,
 ) -> Result<MissionReport, MissionError> {
     let start = Instant::now();
-    let plan = Plan::new(scenario, Path::new(""), "", "warn")?;
+    let plan = Plan::new(scenario, "warn")?;
     let mut bus_options = plan.run.bus_options();
     // A changed process has its ports beside the one whose place it will take.
     bus_options.size.processes *= options.branches.len() + 1;
@@ -186,16 +191,32 @@ fn execute(
         plan.orchestrator_index(),
         MAX_TEXT_BYTES,
     ))?;
-    let mut processes = LocalRun::open_with(&plan, programs, &bus, &options.cache.maps)?;
     let maps = &options.cache.maps;
-    processes.add_branches(&plan, &options.branches, programs, &bus, maps)?;
-    processes.connect()?;
-    plan.send_obstacle_changes(&obstacles)?;
-    for line in remark_lines(&plan, &options.remarks) {
-        let header = line_header(Stamp::default(), &line);
-        lines.send(header, line.text.as_bytes())?;
-    }
-    processes.prepare()?;
+    let host = options.external.then(|| Host {
+        hang_timeout: Duration::from_secs_f64(scenario.run.hang_timeout_s),
+        echo: options.show,
+        interrupted: Arc::clone(&options.interrupted),
+    });
+    let begin = || {
+        let mut processes = LocalRun::open_with(&plan, programs, &bus, maps, host.as_ref())?;
+        let branches = &options.branches;
+        processes.branches = prepared(&plan, branches, programs, &bus, maps, host.as_ref())?;
+        processes.connect()?;
+        plan.send_obstacle_changes(&obstacles)?;
+        for line in remark_lines(&plan, &options.remarks) {
+            let header = line_header(Stamp::default(), &line);
+            lines.send(header, line.text.as_bytes())?;
+        }
+        processes.prepare()?;
+        Ok(processes)
+    };
+    let begun: Result<LocalRun, MissionError> = begin();
+    let mut processes = begun.inspect_err(|_| {
+        if let Some(log) = &options.out {
+            // It has no tick.
+            let _ = std::fs::remove_file(log);
+        }
+    })?;
 
     let mut show = options.show.then(|| ProgressDisplay::new(scenario, &plan));
     let first_tick = Instant::now();

@@ -9,6 +9,7 @@ use scenario::kind::ConfiguredKind;
 
 use super::super::error::InProcessError;
 use super::super::plan::Launch;
+use super::hosted::{Host, Hosted};
 
 /// One process.
 pub(super) struct LocalProcess {
@@ -29,14 +30,16 @@ impl LocalProcesses {
     /// # Errors
     /// [`InProcessError`] names the process that cannot be opened.
     pub fn open(followers: &[Launch], bus: &Bus) -> Result<Self, InProcessError> {
-        Self::open_with(followers, &BTreeMap::new(), bus)
+        Self::open_with(followers, &BTreeMap::new(), bus, None)
     }
 
-    /// Opens the ports of these processes; `programs` run in the place of those with their names, as late as possible.
+    /// Opens the ports of these processes; `programs` run in the place of those with their names, as late as possible, and
+    /// external programs in that of a host.
     pub(super) fn open_with(
         followers: &[Launch],
         programs: &BTreeMap<String, ConfiguredKind>,
         bus: &Bus,
+        host: Option<&Host>,
     ) -> Result<Self, InProcessError> {
         let is_late = |launch: &Launch| programs.contains_key(&launch.config.name);
         let ordered = order(followers, is_late)?;
@@ -44,7 +47,10 @@ impl LocalProcesses {
         let early = first_late.unwrap_or(ordered.len());
         let processes = ordered
             .into_iter()
-            .map(|launch| open_process(launch, programs.get(&launch.config.name), bus))
+            .map(|launch| {
+                let program = programs.get(&launch.config.name);
+                open_process(launch, followers, program, bus, host)
+            })
             .collect::<Result<_, _>>()?;
         Ok(Self { processes, early })
     }
@@ -120,6 +126,9 @@ fn each(
 }
 
 pub(super) fn failed(name: &str, tick: Option<u64>, source: ProcessError) -> InProcessError {
+    if let ProcessError::Outside(error) = source {
+        return InProcessError::Hosted(error);
+    }
     let name = name.to_owned();
     let when = tick.map_or_else(
         || "before the first tick".to_owned(),
@@ -131,12 +140,19 @@ pub(super) fn failed(name: &str, tick: Option<u64>, source: ProcessError) -> InP
 
 pub(super) fn open_process(
     launch: &Launch,
+    all: &[Launch],
     program: Option<&ConfiguredKind>,
     bus: &Bus,
+    host: Option<&Host>,
 ) -> Result<LocalProcess, InProcessError> {
     let name = launch.config.name.clone();
     let Some(kind) = program.or(launch.kind()) else {
-        return Err(InProcessError::External { name });
+        let (Some(host), Some(bus)) = (host, bus.handle()) else {
+            return Err(InProcessError::External { name });
+        };
+        let hosted = Hosted::start(launch, all, bus, host);
+        let process = Box::new(hosted.map_err(|e| InProcessError::Hosted(Box::new(e)))?);
+        return Ok(LocalProcess { name, process });
     };
     // As an external program, which alone knows its kind.
     let config = ProcessConfig {
@@ -173,7 +189,6 @@ pub(super) fn order(
 
 #[cfg(test)]
 mod tests {
-    use std::path::Path;
 
     use super::super::super::plan::Plan;
     use super::*;
@@ -181,7 +196,7 @@ mod tests {
 
     fn followers(name: &str) -> Vec<Launch> {
         let scenario = load(name, &[], None).unwrap();
-        let plan = Plan::new(&scenario, Path::new(""), "", "warn").unwrap();
+        let plan = Plan::new(&scenario, "warn").unwrap();
         plan.launches.into_iter().skip(1).collect()
     }
 

@@ -1,7 +1,6 @@
 //! A run in one thread that its caller steps, without recorder and log.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 
 use ipc_types::bus::{Bus, Publisher, PublisherOptions};
 use ipc_types::topics::{Belief, ObstacleEvents};
@@ -43,13 +42,13 @@ impl SteppedRun {
         if scenario.run.mode == Mode::RealTime {
             return Err(InProcessError::RealTime.into());
         }
-        let plan = Plan::new(scenario, Path::new(""), "", "warn")?;
+        let plan = Plan::new(scenario, "warn")?;
         let bus = Bus::local(plan.run.bus_options());
         let obstacles = bus.publisher(PublisherOptions::new(plan.orchestrator_index(), 1))?;
         let robots = scenario.world.robots.len();
         let beliefs = beliefs.then(|| BeliefInput::open(&bus, robots));
         let beliefs = beliefs.transpose()?;
-        let mut processes = LocalRun::open_with(&plan, own, &bus, &cache.maps)?;
+        let mut processes = LocalRun::open_with(&plan, own, &bus, &cache.maps, None)?;
         if let Some(beliefs) = &beliefs {
             beliefs.connect()?;
         }

@@ -4,7 +4,6 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use mcap_log::derived::{self, DerivedError};
-use mission::dataflow::Dataflow;
 use mission::plan::Plan;
 use platform::eprintln;
 use platform::output_format::OutputFormat;
@@ -12,6 +11,7 @@ use report::picture::{RunTrace, draw, encoded};
 use serde_json::json;
 
 use super::common::{ForceArg, JsonArg, out};
+use super::dataflow::Dataflow;
 use super::logs::exit_code_of_derived;
 use super::output::{self, EXIT_INVALID, print, print_json};
 use super::run_args::OverrideArgs;
@@ -149,7 +149,7 @@ fn write_picture(scenario: &ResolvedScenario, file: &Path, force: bool) -> Resul
 
 /// Draws the dataflow of a scenario into a file, as [`write_picture`].
 fn write_graph(scenario: &ResolvedScenario, file: &Path, force: bool) -> Result<(), u8> {
-    let plan = Plan::new(scenario, Path::new(""), "", "warn").map_err(|error| {
+    let plan = Plan::new(scenario, "warn").map_err(|error| {
         eprintln!("error: {error}");
         EXIT_INVALID
     })?;

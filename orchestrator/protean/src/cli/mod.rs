@@ -6,6 +6,7 @@ mod check;
 mod clean;
 mod common;
 mod comparison_text;
+mod dataflow;
 mod decided;
 mod diff;
 mod export;
@@ -47,6 +48,8 @@ use platform::eprintln;
 use scenario::kind::{Kind, find};
 
 use common::JsonArg;
+#[cfg(test)]
+pub(crate) use dataflow::Dataflow;
 #[cfg(test)]
 pub(crate) use help::HEADINGS;
 use output::{EXIT_FAILED, EXIT_INVALID, print};

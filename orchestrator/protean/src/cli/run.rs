@@ -86,7 +86,7 @@ fn execute(
             show: !args.quiet.quiet,
             remarks,
             interrupted,
-            libraries: true,
+            external: true,
             ..InProcessOptions::default()
         };
         return in_process::run(scenario, &options);

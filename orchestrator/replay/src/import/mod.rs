@@ -204,7 +204,7 @@ pub fn import(
         show: !watch.quiet,
         last_tick: Some(report.last_tick),
         interrupted: Arc::clone(&watch.interrupted),
-        libraries: true,
+        external: true,
         tracks,
         source: Some((Origin::IMPORTED, path.display().to_string())),
         ..InProcessOptions::default()

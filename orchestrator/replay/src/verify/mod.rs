@@ -10,7 +10,7 @@ mod test_bus;
 mod test_selection;
 
 use std::path::Path;
-use std::sync::Arc;
+use std::rc::Rc;
 use std::time::Duration;
 
 use diff::Comparison;
@@ -20,7 +20,7 @@ use mcap_log::Topics;
 use mcap_log::source::Source;
 use serde::Serialize;
 
-use self::processes::Processes;
+use self::processes::or_interrupted;
 use self::test_bus::TestBus;
 use self::test_selection::TestSelection;
 use super::create_resources;
@@ -31,7 +31,7 @@ use log_tools::nanoseconds;
 use mission::MissionError;
 use mission::in_process::LocalProcesses;
 use mission::plan::Plan;
-use mission::supervisor::Supervisor;
+use mission::stepped_processes::SteppedProcesses;
 use recorder::RunInfo;
 use scenario::kind::Kind;
 
@@ -125,7 +125,7 @@ pub fn verify(
         ..VerificationReport::default()
     };
     if options.in_process {
-        let plan = Plan::new(&scenario, Path::new(""), "", "warn").map_err(MissionError::from)?;
+        let plan = Plan::new(&scenario, "warn").map_err(MissionError::from)?;
         let test_selection = TestSelection::new(&plan, &recorded.origin, options)?;
         let bus = Bus::local(plan.run.bus_options());
         let mut test_bus = TestBus::open(&bus, &plan, &test_selection, &mut source, watch)?;
@@ -134,7 +134,7 @@ pub fn verify(
         test_bus.run(&mut members, &mut source, watch, &mut done)?;
         done.helpers = test_selection.helpers;
     } else {
-        let resources = create_resources(&scenario)?;
+        let resources = Rc::new(create_resources(&scenario)?);
         let test_selection = TestSelection::new(&resources.plan, &recorded.origin, options)?;
         let mut test_bus = TestBus::open(
             &resources.bus,
@@ -144,14 +144,14 @@ pub fn verify(
             watch,
         )?;
         let hang_timeout = Duration::from_secs_f64(scenario.run.hang_timeout_s);
-        let supervisor = Supervisor::new(
+        let mut processes = SteppedProcesses::start(
             &resources,
-            &test_selection.launches,
+            test_selection.launches.clone(),
             hang_timeout,
             !options.quiet,
-        );
-        let interrupted = Arc::clone(&watch.interrupted);
-        let mut processes = Processes::start(&resources, supervisor, &interrupted)?;
+            &watch.interrupted,
+        )?;
+        or_interrupted(processes.open())?;
         test_bus.run(&mut processes, &mut source, watch, &mut done)?;
         drop((processes, test_bus));
         done.helpers = test_selection.helpers;

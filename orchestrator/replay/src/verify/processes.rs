@@ -1,16 +1,11 @@
 //! The processes under test: separate processes, or members of this process.
 
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
-
 use mcap_log::LogReadError;
-use runtime::lockstep::{BarrierLeader, TickEnd};
 
 use crate::ReplayError;
 use mission::MissionError;
 use mission::in_process::LocalProcesses;
-use mission::resources::RunResources;
-use mission::supervisor::Supervisor;
+use mission::stepped_processes::SteppedProcesses;
 
 /// Processes that execute ticks on request.
 pub(super) trait ProcessesUnderTest {
@@ -36,58 +31,23 @@ impl ProcessesUnderTest for LocalProcesses {
     }
 }
 
-/// Separate processes; this process posts the ticks in place of the simulator.
-pub(super) struct Processes<'a> {
-    supervisor: Supervisor<'a>,
-    leader: BarrierLeader,
-    interrupted: &'a AtomicBool,
-}
-
-impl<'a> Processes<'a> {
-    /// Starts the processes of a supervisor and waits until their ports are open.
-    pub(super) fn start(
-        resources: &RunResources,
-        supervisor: Supervisor<'a>,
-        interrupted: &'a AtomicBool,
-    ) -> Result<Self, ReplayError> {
-        let mut processes = Self {
-            supervisor,
-            leader: BarrierLeader::new(Arc::clone(&resources.barrier), 0, 1 << 20),
-            interrupted,
-        };
-        or_interrupted(processes.supervisor.start(interrupted))?;
-        Ok(processes)
-    }
-}
-
-impl ProcessesUnderTest for Processes<'_> {
+impl ProcessesUnderTest for SteppedProcesses {
     fn connect(&mut self) -> Result<(), ReplayError> {
-        or_interrupted(self.supervisor.connect(self.interrupted))
+        or_interrupted(SteppedProcesses::connect(self))
     }
 
     fn prepare(&mut self) -> Result<(), ReplayError> {
-        or_interrupted(self.supervisor.prepare(self.interrupted))?;
-        self.supervisor.begin();
-        Ok(())
+        or_interrupted(SteppedProcesses::prepare(self))
     }
 
     fn turn(&mut self, tick: u64) -> Result<(), ReplayError> {
-        self.leader.post(tick);
-        loop {
-            match self.leader.wait(tick) {
-                TickEnd::Complete => return Ok(()),
-                TickEnd::Stop => return Err(LogReadError::Interrupted.into()),
-                TickEnd::Idle => self.supervisor.handle_events()?,
-            }
-            if self.interrupted.load(Ordering::SeqCst) {
-                return Err(LogReadError::Interrupted.into());
-            }
-        }
+        // The messages of the others after a failure are not in the log: it ends the test.
+        or_interrupted(self.step(tick))
     }
 }
 
 /// Returns the error of an interrupted step.
-fn or_interrupted(done: Result<bool, MissionError>) -> Result<(), ReplayError> {
+pub(super) fn or_interrupted(done: Result<bool, MissionError>) -> Result<(), ReplayError> {
     if done? {
         Ok(())
     } else {

@@ -2,15 +2,13 @@
 
 use std::collections::BTreeSet;
 
-use ipc_types::topics::{OptimiserPlan, Service as _};
 use mcap_log::LogReadError;
 use mcap_log::Origin;
-use runtime::declaration::Flow;
 
 use super::VerifyOptions;
 use crate::ReplayError;
-use mission::plan::{Launch, Plan, Role};
-use scenario::{OnFailure, Program};
+use mission::plan::{Launch, Plan, Role, answering};
+use scenario::Program;
 
 /// Selection of the processes of a test.
 pub(super) struct TestSelection {
@@ -35,17 +33,10 @@ impl TestSelection {
             .map(|name| launch_of(plan, name, options.allow_external).cloned())
             .collect::<Result<Vec<_>, _>>()?;
         let senders: BTreeSet<u32> = launches.iter().map(|l| l.config.index).collect();
-        let answers = Flow::Answers(OptimiserPlan::NAME);
-        let mut helpers = Vec::new();
-        if launches.iter().any(|launch| launch.reads(answers)) {
-            // Requests and answers are not logged.
-            for launch in &plan.launches {
-                if launch.writes(answers) && !senders.contains(&launch.config.index) {
-                    helpers.push(launch.config.name.clone());
-                    launches.push(launch.clone());
-                }
-            }
-        }
+        // Requests and answers are not logged.
+        let answering: Vec<Launch> = answering(&launches, &plan.launches).cloned().collect();
+        let helpers = answering.iter().map(|l| l.config.name.clone()).collect();
+        launches.extend(answering);
         let mut before: BTreeSet<u32> = launches
             .iter()
             .flat_map(|launch| launch.config.upstream.iter().copied())
@@ -54,10 +45,6 @@ impl TestSelection {
         // In the order of the run, without duplicates.
         launches.sort_by_key(|launch| launch.config.index);
         launches.dedup_by_key(|launch| launch.config.index);
-        for launch in &mut launches {
-            // The messages of the others after its failure are not in the log.
-            launch.supervision.on_failure = OnFailure::Abort;
-        }
         Ok(Self {
             launches,
             helpers,

@@ -6,13 +6,13 @@ mod table;
 mod types;
 mod words;
 
-use mission::dataflow::Dataflow;
 use mission::plan::Plan;
 use std::path::Path;
 use std::{env, fs};
 
 use kinds::KINDS;
 
+use crate::cli::Dataflow;
 use sections::Reference;
 
 /// Command that rewrites the files.
@@ -106,7 +106,7 @@ fn the_picture_of_the_dataflow_follows_from_the_declarations() {
     let (scenario, rest) = rest.split_once(" -->\n```mermaid\n").unwrap();
     let (drawn, _) = rest.split_once("```\n").unwrap();
     let loaded = kinds::load(scenario, &[], None).unwrap();
-    let plan = Plan::new(&loaded, Path::new(""), "", "warn").unwrap();
+    let plan = Plan::new(&loaded, "warn").unwrap();
     let flowchart = Dataflow::new(&plan).mermaid();
     if env::var_os("PROTEAN_DOCS").is_some_and(|word| word == "write") {
         fs::write(&path, page.replace(drawn, &flowchart)).unwrap();

@@ -6,11 +6,11 @@ use ipc_types::topics::ObstacleEvents;
 use runtime::declaration::{self, Declaration, Flow, Output, When};
 use runtime::link::Link;
 
-use crate::plan::{Launch, Plan};
+use mission::plan::{Launch, Plan};
 
 /// Processes of a run, and the flows between them.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Dataflow {
+pub(crate) struct Dataflow {
     nodes: Vec<Node>,
     edges: Vec<Edge>,
 }
@@ -40,7 +40,7 @@ struct Edge {
 
 impl Dataflow {
     /// Returns the dataflow of a planned run, in the order of its processes.
-    pub fn new(plan: &Plan) -> Self {
+    pub(crate) fn new(plan: &Plan) -> Self {
         let mut nodes: Vec<Node> = Vec::new();
         if !plan.obstacle_changes.is_empty() {
             nodes.push(Node {
@@ -101,7 +101,7 @@ impl Dataflow {
     }
 
     /// Returns it as a flowchart in Mermaid. A dotted arrow is for the next tick.
-    pub fn mermaid(&self) -> String {
+    pub(crate) fn mermaid(&self) -> String {
         let mut text = String::from("flowchart LR\n");
         for (at, node) in self.nodes.iter().enumerate() {
             // A write to a String cannot fail.
@@ -125,7 +125,7 @@ impl Dataflow {
 
     /// Returns it as an N² chart in SVG: processes on the diagonal, and in row i and column j what i writes for j. Flows
     /// for the next tick are in italics.
-    pub fn svg(&self) -> String {
+    pub(crate) fn svg(&self) -> String {
         const WIDTH: usize = 190;
         const LINE: usize = 16;
         let rows: Vec<usize> = (0..self.nodes.len())
@@ -268,14 +268,12 @@ fn lines<'a>(
 
 #[cfg(test)]
 mod tests {
-    use std::path::Path;
-
     use super::*;
     use kinds::load;
 
     fn dataflow(name: &str) -> Dataflow {
         let scenario = load(name, &[], None).unwrap();
-        Dataflow::new(&Plan::new(&scenario, Path::new(""), "", "warn").unwrap())
+        Dataflow::new(&Plan::new(&scenario, "warn").unwrap())
     }
 
     #[test]
