@@ -197,45 +197,41 @@ impl PlannerMap {
     /// `to` (m) before it would touch an obstacle; at most the length of the line, 0 for points
     /// that are not finite.
     pub fn free_run(&self, from: Point2<f64>, to: Point2<f64>, radius: f64) -> f64 {
-        let line = to - from;
-        let length = line.norm();
-        if !length.is_finite() {
-            return 0.0;
-        }
-        let march = March::new(&self.clearance, from, line, length);
-        let least_step = self.clearance.frame.resolution;
-        let mut run = 0.0;
+        let mut march = March::new(&self.clearance, from, to);
         for _ in 0..MAX_SIGHT_STEPS {
-            let spare = match march.clearance(run) {
-                Some(clearance) => f64::from(clearance),
-                None => self.cell_clearance(point_at(from, line, length, run)),
-            } - radius;
-            // Also stops at NaN radii.
-            if spare.is_nan() || spare < 0.0 {
-                return run;
+            if !march.step(self, radius) {
+                break;
             }
-            if run >= length {
-                return length;
-            }
-            run = (run + spare.max(least_step)).min(length);
         }
-        run
+        march.run
+    }
+
+    /// As [`Self::free_run`] along several lines.
+    ///
+    /// Each step along a line waits for the one before it; four lines side by side take two thirds of the time.
+    pub fn free_runs<const N: usize>(
+        &self,
+        lines: [(Point2<f64>, Point2<f64>); N],
+        radius: f64,
+    ) -> [f64; N] {
+        let mut marches = lines.map(|(from, to)| March::new(&self.clearance, from, to));
+        for _ in 0..MAX_SIGHT_STEPS {
+            let mut goes_on = false;
+            for march in &mut marches {
+                goes_on |= march.step(self, radius);
+            }
+            if !goes_on {
+                break;
+            }
+        }
+        marches.map(|march| march.run)
     }
 }
 
 /// The largest integer not above `value`; unlike `floor` without a call on the oldest x86-64.
-fn whole_below(value: f64) -> i64 {
+pub fn whole_below(value: f64) -> i64 {
     let whole = value as i64;
-    whole - i64::from(whole as f64 > value)
-}
-
-/// The point after `run` of a line's `length` (m).
-fn point_at(from: Point2<f64>, line: Vector2<f64>, length: f64, run: f64) -> Point2<f64> {
-    if length > 0.0 {
-        from + line * (run / length)
-    } else {
-        from
-    }
+    whole.saturating_sub(i64::from(whole as f64 > value))
 }
 
 /// A march along a line over a grid, without the divisions of [`GridFrame::cell_at`] at each step:
@@ -245,6 +241,12 @@ fn point_at(from: Point2<f64>, line: Vector2<f64>, length: f64, run: f64) -> Poi
 /// result for positions that near to the edge of a cell, so its results never differ.
 struct March<'a> {
     grid: &'a Grid<f32>,
+    from: Point2<f64>,
+    line: Vector2<f64>,
+    /// Length of the line (m); NaN if it is not finite.
+    length: f64,
+    /// Distance covered so far (m).
+    run: f64,
     /// Start of the line, in cells from the centre of cell (0, 0).
     begin: Vector2<f64>,
     /// Cells per metre of distance; NaN for a line that is left to the other method.
@@ -262,7 +264,11 @@ impl<'a> March<'a> {
     /// Rounds a number to an integer when added to it; the integer is then in the lowest bits.
     const TO_WHOLE: f64 = 1.5 * (1_u64 << 52) as f64;
 
-    fn new(grid: &'a Grid<f32>, from: Point2<f64>, line: Vector2<f64>, length: f64) -> Self {
+    #[inline]
+    fn new(grid: &'a Grid<f32>, from: Point2<f64>, to: Point2<f64>) -> Self {
+        let line = to - from;
+        let length = line.norm();
+        let length = if length.is_finite() { length } else { f64::NAN };
         let GridFrame {
             resolution, origin, ..
         } = grid.frame;
@@ -276,8 +282,37 @@ impl<'a> March<'a> {
         };
         Self {
             grid,
+            from,
+            line,
+            length,
+            run: 0.0,
             begin: (from - origin) * per_metre - Vector2::repeat(0.5),
             slope,
+        }
+    }
+
+    /// Extends the run by one step; returns `false` at its end.
+    #[inline]
+    fn step(&mut self, map: &PlannerMap, radius: f64) -> bool {
+        let spare = match self.clearance(self.run) {
+            Some(clearance) => f64::from(clearance),
+            None => map.cell_clearance(self.point_at(self.run)),
+        } - radius;
+        // Also stops at NaN radii, and on lines that are not finite.
+        let goes_on = spare >= 0.0 && self.run < self.length;
+        if goes_on {
+            let step = spare.max(self.grid.frame.resolution);
+            self.run = (self.run + step).min(self.length);
+        }
+        goes_on
+    }
+
+    /// The point after a run (m).
+    fn point_at(&self, run: f64) -> Point2<f64> {
+        if self.length > 0.0 {
+            self.from + self.line * (run / self.length)
+        } else {
+            self.from
         }
     }
 

@@ -305,8 +305,11 @@ impl PerRobot for Belief {
         [header.mean_x, header.mean_y, header.mean_theta]
             .iter()
             .all(|v| v.is_finite())
-            && particles.iter().all(|p| {
-                [p.x, p.y, p.theta, p.weight].iter().all(|v| v.is_finite()) && p.weight >= 0.0
+            && particles.iter().fold(true, |is_sound, p| {
+                // Without branches: every planner checks all particles in every tick, with them in 4 % of the time of `chase`.
+                let [x, y, theta, weight] = [p.x, p.y, p.theta, p.weight].map(f32::is_finite);
+                let is_share = p.weight >= 0.0;
+                is_sound & x & y & theta & weight & is_share
             })
     }
 }

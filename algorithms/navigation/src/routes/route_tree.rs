@@ -147,9 +147,23 @@ impl RouteTree {
             self.nodes[from].rank = self.settled;
             let length = self.nodes[from].length;
             self.settled += 1;
+            let is_threatened = !self.extra.is_empty();
+            let here = if is_threatened {
+                self.extra_of(grid, from)
+            } else {
+                0
+            };
             for edge in grid.edges(from) {
                 let to = edge.to as usize;
-                let reached = cost.saturating_add(self.edge_cost(grid, from, to, edge.length));
+                // Threats only add to it.
+                let mut reached = cost.saturating_add(edge.length);
+                if reached >= self.nodes[to].cost {
+                    continue;
+                }
+                if is_threatened {
+                    let extra = here.max(self.extra_of(grid, to));
+                    reached = cost.saturating_add(threatened(edge.length, extra));
+                }
                 let node = &mut self.nodes[to];
                 if reached < node.cost {
                     node.cost = reached;
@@ -258,16 +272,8 @@ impl RouteTree {
         gate.map(|gate| gate as usize)
     }
 
-    fn edge_cost(&mut self, grid: &NavGrid, from: usize, to: usize, length: u32) -> u32 {
-        if self.extra.is_empty() {
-            return length;
-        }
-        let extra = self.extra_of(grid, from).max(self.extra_of(grid, to));
-        let cost = u64::from(length) * (256 + u64::from(extra)) / 256;
-        u32::try_from(cost).unwrap_or(UNREACHED - 1)
-    }
-
     /// Extra cost that the threats add to a node.
+    #[inline]
     fn extra_of(&mut self, grid: &NavGrid, node: usize) -> u32 {
         if self.extra[node] == NONE {
             let point = grid.points()[node];
@@ -284,6 +290,12 @@ impl RouteTree {
         }
         self.extra[node]
     }
+}
+
+/// Cost (mm) of an edge of this length (mm) with an extra cost.
+fn threatened(length: u32, extra: u32) -> u32 {
+    let cost = u64::from(length) * (256 + u64::from(extra)) / 256;
+    u32::try_from(cost).unwrap_or(UNREACHED - 1)
 }
 
 /// Returns the entry of the queue for a node at a cost (mm).

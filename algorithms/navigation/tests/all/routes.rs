@@ -4,7 +4,7 @@ use geometry::blur::BlurredMap;
 use geometry::grid::{Grid, GridFrame};
 use nalgebra::Point2;
 use navigation::bearing::Bearings;
-use navigation::routes::{Lengths, LengthsFrom, RouteFinder, Threat};
+use navigation::routes::{Lengths, LengthsFrom, NavGrid, RouteFinder, RouteTree, Threat};
 use planner_view::map::PlannerMap;
 use proptest::prelude::*;
 use testing::{Arena, EXIT, RADIUS};
@@ -276,6 +276,42 @@ fn paths_are_unknown_until_they_are_requested() {
         .distance_to(EXIT)
         .unwrap();
     assert_eq!(later, at_once);
+}
+
+#[test]
+fn every_path_past_threats_comes_from_the_cheapest_neighbour() {
+    let map = Arena::city().map();
+    let grid = NavGrid::new(&map, RADIUS);
+    let threat = |x, y, gain| Threat {
+        at: Point2::new(x, y),
+        gain,
+        reach: 1.5,
+    };
+    let threats = [threat(-1.5, 1.5, 3.0), threat(4.4, 3.1, 0.5)];
+    let extra = |node| {
+        let point = grid.point(node).unwrap();
+        let extra: f64 = threats
+            .iter()
+            .map(|t| t.gain * t.reach * t.reach / (point - t.at).norm_squared().max(1e-6))
+            .sum();
+        (extra.min(1000.0) * 256.0) as u64
+    };
+    let mut tree = RouteTree::default();
+    let root = grid.node_at(EXIT).unwrap();
+    tree.plant_without_gates(&grid, &[root], &threats);
+    tree.settle(&grid, u32::MAX);
+    let cost = |node| (tree.cost(node).unwrap() * 1000.0).round() as u64;
+    for node in (0..grid.len()).filter(|&node| node != root) {
+        let ways = grid.edges(node).iter().map(|edge| {
+            let to = edge.to as usize;
+            let most = extra(node).max(extra(to));
+            let through = cost(to) + u64::from(edge.length) * (256 + most) / 256;
+            // Of equal ones, the one that was reached first.
+            (through, tree.rank(to).unwrap(), to)
+        });
+        let (least, _, from) = ways.min().unwrap();
+        assert_eq!((cost(node), tree.parent(node)), (least, Some(from)));
+    }
 }
 
 /// One query of a route finder: the slot, the start, `true` for first legs, the destinations.

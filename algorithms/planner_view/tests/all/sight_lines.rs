@@ -49,6 +49,7 @@ proptest! {
         let blurred = BlurredMap::new(&Grid::filled(frame, true), resolution).unwrap();
         let cells = (0..width * height).map(|i| clearances[i * 7 % 16]).collect();
         let map = PlannerMap::new(blurred, Grid { frame, cells }, 1).unwrap();
+        let mut ends = Vec::new();
         for (x, y, to_x, to_y, on_edges) in lines {
             // Along the edges of cells the faster march gives no result.
             let place = |part: f64, cells: usize, origin: f64| {
@@ -61,6 +62,11 @@ proptest! {
                 map.free_run(from, to, radius),
                 defined(&map, from, to, radius)
             );
+            ends.push((from, to));
+        }
+        for four in ends.as_chunks::<4>().0 {
+            let side_by_side = map.free_runs(*four, radius);
+            prop_assert_eq!(side_by_side, four.map(|(from, to)| map.free_run(from, to, radius)));
         }
     }
 }

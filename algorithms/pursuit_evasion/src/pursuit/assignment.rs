@@ -101,10 +101,10 @@ impl Assigner {
         let here = view.own()?.pose.position();
         let mut best: Option<(f64, usize)> = None;
         for evader in view.opponents(Role::Evader) {
-            let Some(pose) = estimate(view, evader.index, self.params.knowledge) else {
+            let Some(at) = estimate(view, evader.index, self.params.knowledge) else {
                 continue;
             };
-            let distance = (pose.position() - here).norm();
+            let distance = (at - here).norm();
             let found = (distance, evader.index);
             if best.is_none_or(|best| found < best) {
                 best = Some(found);
@@ -140,10 +140,7 @@ impl Assigner {
             );
             let pursuers: Vec<&RobotView> = pursuers().collect();
             let evaders: Vec<(&RobotView, Point2<f64>)> = known()
-                .filter_map(|evader| {
-                    let pose = estimate(view, evader.index, knowledge)?;
-                    Some((evader, pose.position()))
-                })
+                .filter_map(|evader| Some((evader, estimate(view, evader.index, knowledge)?)))
                 .collect();
             let costs = self.costs(map, finder, &pursuers, &evaders);
             self.targets = balanced(&costs, pursuers.len(), evaders.len())
@@ -216,7 +213,7 @@ impl Assigner {
         for (row, pursuer) in pursuers.iter().enumerate() {
             let here = pursuer.pose.position();
             let places = evaders.iter().map(|&(_, at)| at);
-            let routes = finder.lengths(map, slots::ASSIGNMENT + row, here, places);
+            let routes = finder.routes(map, slots::ASSIGNMENT + row, here, places);
             for (evader, at) in evaders {
                 let distance = routes
                     .and_then(|routes| routes.distance_to(*at))

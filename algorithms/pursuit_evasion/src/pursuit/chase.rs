@@ -90,8 +90,7 @@ impl Pursuer {
         if belief.is_some_and(|belief| !may_be_within(belief, here, CLOSE)) {
             return false;
         }
-        estimate(view, target, self.params.knowledge).is_some_and(|pose| {
-            let there = pose.position();
+        estimate(view, target, self.params.knowledge).is_some_and(|there| {
             (there - here).norm() <= CLOSE && map.line_is_clear(here, there, 0.0)
         })
     }

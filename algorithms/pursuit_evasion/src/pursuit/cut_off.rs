@@ -228,23 +228,32 @@ impl CutSearch {
         false
     }
 
-    /// Returns `true` if [`Self::way_out`] would find a path; blocks the nodes that it visits.
+    /// Returns `true` if [`Self::way_out`] would find a path; blocks the nodes that it reaches, so that
+    /// each is reached once.
     fn is_open(&mut self, grid: &NavGrid, exits: &[usize], start: usize) -> bool {
-        let mut frontier = vec![start as u32];
+        let mut frontier = Vec::new();
+        if core::mem::replace(&mut self.ahead[start], NONE) != NONE {
+            frontier.push(start as u32);
+        }
         while let Some(node) = frontier.pop() {
             let node = node as usize;
-            // Each node is visited once.
-            if core::mem::replace(&mut self.ahead[node], NONE) == NONE {
-                continue;
-            }
             if exits.contains(&node) {
                 return true;
             }
-            let next = grid.edges(node).iter().map(|edge| edge.to);
-            let next = next.filter(|&to| self.ahead[to as usize] != NONE);
-            // The next one is the nearest to an exit.
-            let nearest = next.clone().min_by_key(|&to| self.ahead[to as usize]);
-            frontier.extend(next.chain(nearest));
+            let mut least = NONE;
+            for edge in grid.edges(node) {
+                let ahead = core::mem::replace(&mut self.ahead[edge.to as usize], NONE);
+                if ahead == NONE {
+                    continue;
+                }
+                frontier.push(edge.to);
+                // The next one is the nearest to an exit.
+                if least <= ahead {
+                    let last = frontier.len() - 1;
+                    frontier.swap(last, last - 1);
+                }
+                least = least.min(ahead);
+            }
         }
         false
     }
@@ -277,7 +286,7 @@ impl CutSearch {
             // Only a place before the current one is an improvement.
             let ahead = self.way.get(..first).unwrap_or_default();
             let places = ahead.iter().map(|&(place, _)| place);
-            let routes = finder.lengths(map, blocker.slot, blocker.at, places);
+            let routes = finder.routes(map, blocker.slot, blocker.at, places);
             let Some(routes) = routes else {
                 continue;
             };
@@ -327,7 +336,7 @@ fn allot(
     let mut costs = Vec::with_capacity(count * count);
     for blocker in blockers {
         let places = goals.iter().map(|goal| goal.unwrap_or(at));
-        let routes = finder.lengths(map, blocker.slot, blocker.at, places.clone());
+        let routes = finder.routes(map, blocker.slot, blocker.at, places.clone());
         costs.extend(places.map(|place| {
             let distance = routes
                 .and_then(|routes| routes.distance_to(place))
@@ -340,4 +349,30 @@ fn allot(
         .into_iter()
         .map(|column| goals.get(column).copied().flatten())
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use testing::{Arena, EXIT, RADIUS};
+
+    use super::*;
+
+    #[test]
+    fn a_graph_is_open_exactly_if_it_has_a_path() {
+        let grid = NavGrid::new(&Arena::city().map(), RADIUS);
+        let exits = [grid.node_at(EXIT).unwrap()];
+        let start = grid.node_at(Point2::new(-4.5, 1.5)).unwrap();
+        let mut search = CutSearch::default();
+        let mut open = 0;
+        for round in 0..200_usize {
+            // A pattern that blocks the more nodes the later the round.
+            let is_blocked = |node: usize| (node * (2 * round + 7919)) % 1009 < 4 * round;
+            let ahead = |node| if is_blocked(node) { NONE } else { 0 };
+            search.ahead = (0..grid.len()).map(ahead).collect();
+            let has_path = search.way_out(&grid, &exits, start);
+            assert_eq!(search.is_open(&grid, &exits, start), has_path, "{round}");
+            open += u32::from(has_path);
+        }
+        assert!((40..160).contains(&open), "{open}");
+    }
 }

@@ -1,9 +1,10 @@
 //! Inputs that planners receive from the bus.
 
 use ipc_types::bus::{Bus, BusOptions, PublisherOptions, RunSpace};
+use ipc_types::messages::perception::{BeliefHeader, Particle};
 use ipc_types::messages::world::{RobotState, WorldHeader};
-use ipc_types::topics::{RunSize, WorldState};
-use runtime::inputs::StateInput;
+use ipc_types::topics::{Belief, RunSize, WorldState};
+use runtime::inputs::{PerRobot, StateInput};
 
 /// Separate run space that is deleted when the test ends, also by a panic.
 struct Space(
@@ -69,4 +70,25 @@ fn states_are_taken_up_to_the_wanted_tick_and_unsound_ones_never() {
     );
     assert_eq!((input.header.stamp.tick, input.robots[0].x), (2, 2.0));
     assert!(!input.update().unwrap());
+}
+
+#[test]
+fn a_belief_with_one_unusable_number_is_unsound() {
+    let is_sound = |header: BeliefHeader, change: fn(&mut Particle)| {
+        let mut particles = [Particle::default(); 5];
+        change(&mut particles[3]);
+        Belief::is_sound(&header, &particles)
+    };
+    let header = BeliefHeader::default();
+    assert!(is_sound(header, |p| p.weight = 0.5));
+    let changes: [fn(&mut Particle); 5] = [
+        |p| p.x = f32::NAN,
+        |p| p.y = f32::INFINITY,
+        |p| p.theta = f32::NEG_INFINITY,
+        |p| p.weight = f32::INFINITY,
+        |p| p.weight = -0.1,
+    ];
+    assert!(changes.iter().all(|&change| !is_sound(header, change)));
+    let mean_x = f64::NAN;
+    assert!(!is_sound(BeliefHeader { mean_x, ..header }, |_| {}));
 }
