@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """The page in headless Chromium: the time to the first data of a live chase, and pictures a second of it and of 60 robots.
 
-usage: page.py PROTEAN
-
 The time is that from the start of the program, with the browser open, to the first picture of its data. The page of 60 robots is
-that of `protean report`, which plays. Standard library only.
+that of a live replay at its speed, and that of `protean report`, which plays. Standard library only.
+
+usage: page.py PROTEAN
 """
 
 import subprocess
@@ -52,21 +52,24 @@ def main() -> None:
         browser.session = browser.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
         browser.call("Emulation.setDeviceMetricsOverride", width=1500, height=1000, deviceScaleFactor=1, mobile=False)
 
-        began = time.monotonic()
-        run = [program, "run", "chase", "--live", "0", "--quiet", "--out", f"{folder}/chase.mcap"]
-        child = subprocess.Popen(run, cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
-        try:
-            show(browser, next(line for line in child.stderr if "http://" in line).split()[1])
-            print(f"chase: first data after {time.monotonic() - began:.2f} s, then {pictures(browser):.1f} pictures a second")
-        finally:
-            child.kill()
-            child.wait()
+        def live(name: str, words: list[object]) -> None:
+            began = time.monotonic()
+            words = [program, *words, "--live", "0", "--quiet"]
+            child = subprocess.Popen(words, cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+            try:
+                show(browser, next(line for line in child.stderr if "http://" in line).split()[1])
+                print(f"{name}: first data after {time.monotonic() - began:.2f} s, then {pictures(browser):.1f} pictures a second")
+            finally:
+                child.kill()
+                child.wait()
 
+        live("chase", ["run", "chase", "--out", f"{folder}/chase.mcap"])
         file, log, page = (Path(folder, f"many.{ending}") for ending in ("toml", "mcap", "html"))
         file.write_text(scenario(60))
         run = [program, "run", file, "--allow-outside", "--in-process", "--quiet", "--set", "rules.time_limit=60", "--out", log]
         for words in (run, [program, "report", log, "--quiet", "--out", page]):
             subprocess.run(words, check=True, stdout=subprocess.DEVNULL)
+        live("60 robots, replayed", ["replay", log])
         show(browser, page.as_uri())
         browser.evaluate("protean.seek(0), protean.play()")
         print(f"60 robots: {pictures(browser):.1f} pictures a second")

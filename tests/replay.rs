@@ -228,7 +228,7 @@ fn a_part_begins_with_what_lasts() {
 }
 
 #[test]
-fn a_replay_that_is_ended_leaves_nothing() {
+fn a_replay_takes_little_memory_and_leaves_nothing_when_it_is_ended() {
     let sandbox = Sandbox::new();
     sandbox.record("chase_exact");
     for (words, signal) in [
@@ -240,10 +240,20 @@ fn a_replay_that_is_ended_leaves_nothing() {
         let running = words.iter().fold(call, Call::arg).start();
         let run = sandbox.next_run(&known);
         crate::support::wait_for_tick(&run, 1);
+        let status = std::fs::read_to_string(format!("/proc/{}/status", running.pid())).unwrap();
+        let memory = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+        let memory: u64 = memory
+            .unwrap()
+            .trim()
+            .trim_end_matches(" kB")
+            .parse()
+            .unwrap();
         running.signal(signal);
         let outcome = running.finish();
         assert_eq!(outcome.code, Some(3), "{outcome}");
         assert_eq!(outcome.json()["interrupted"], true, "{outcome}");
+        // Buffers as long as those of a recorder took 390 MB, and more than a machine has with sixty robots.
+        assert!(memory < 150_000, "{memory} kB");
         assert!(outcome.stderr.contains(&run), "{outcome}");
     }
     sandbox.assert_nothing_left();

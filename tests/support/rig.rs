@@ -91,7 +91,8 @@ impl Rig {
         let space = &wiped.0;
         space.create_root().unwrap();
         let mut plan = Plan::new(&scenario, "warn").unwrap();
-        plan.place(space);
+        let ticks = plan.run.recorder_ticks as usize;
+        plan.place(space, ticks);
         let bus = Bus::join(space, plan.run.bus_options(), "test").unwrap();
         let mut create = Create(&bus, Vec::new());
         for_each_topic(&mut create).unwrap();

@@ -98,13 +98,14 @@ impl Plan {
         })
     }
 
-    /// Gives the run its directory and its names in shared memory.
-    pub fn place(&mut self, space: &RunSpace) {
+    /// Gives the run its directory, its names in shared memory, and the number of ticks that a recorder may lag.
+    pub fn place(&mut self, space: &RunSpace, recorder_ticks: usize) {
         let processes = self.launches.iter_mut();
         let configs = processes.map(|launch| &mut launch.config.run);
         for run in configs.chain([&mut self.run]) {
             space.root().clone_into(&mut run.root);
             space.prefix().clone_into(&mut run.prefix);
+            run.recorder_ticks = recorder_ticks as u32;
         }
     }
 

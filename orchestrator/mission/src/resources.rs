@@ -53,8 +53,9 @@ impl RunResources {
         shm_usage::check_start()?;
         let directory = RunDirectory::create()?;
         let space = directory.space();
-        plan.place(space);
-        let bus = Bus::join(space, bus(plan.run.bus_options()), "orchestrator")?;
+        let options = bus(plan.run.bus_options());
+        plan.place(space, options.recorder_ticks);
+        let bus = Bus::join(space, options, "orchestrator")?;
         let topics = create_topics(&bus, &plan)?;
         let barrier = Arc::new(TickBarrier::create(
             space.prefix(),

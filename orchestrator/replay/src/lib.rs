@@ -25,17 +25,18 @@ pub use replay_report::{ReplayOptions, ReplayReport};
 pub use rerun::{Rerun, RerunOptions, failures, rerun, run_again};
 pub use verify::{VerificationReport, VerifyOptions, verify};
 
-use ipc_types::bus::BusOptions;
+use ipc_types::bus::{BusOptions, LOOP_TICKS};
 
 use mission::MissionError;
 use mission::resources::RunResources;
 use scenario::ResolvedScenario;
 
 /// Creates the resources of a replayed run. A subscriber without room blocks the publisher, also where the run itself
-/// would have dropped messages.
+/// would have dropped messages. Nothing lags like a recorder, and buffers of publishers that grow take much memory.
 fn create_resources(scenario: &ResolvedScenario) -> Result<RunResources, MissionError> {
     RunResources::create(scenario, "warn", |bus| BusOptions {
         overflow: false,
+        recorder_ticks: LOOP_TICKS,
         ..bus
     })
 }

@@ -10,7 +10,9 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
-use ipc_types::bus::{AnyMessage, AnyPublisher, AnySubscriber, AnyTopic, Bus, BusError};
+use ipc_types::bus::{
+    AnyMessage, AnyPublisher, AnySubscriber, AnyTopic, Bus, BusError, BusOptions, LOOP_TICKS,
+};
 use ipc_types::topics::TopicId;
 use runtime::{Process, ProcessError};
 
@@ -60,7 +62,11 @@ impl Hosted {
             obstacle_changes: Vec::new(),
             standing: Vec::new(),
         };
-        let resources = Rc::new(RunResources::of_plan(plan, |bus| bus)?);
+        let resources = Rc::new(RunResources::of_plan(plan, |bus| BusOptions {
+            // All is carried in its tick, and buffers of publishers that grow take much memory.
+            recorder_ticks: LOOP_TICKS,
+            ..bus
+        })?);
         let launches = resources.plan.launches.clone();
         let indices = launches.iter().map(|launch| launch.config.index).collect();
         let processes = SteppedProcesses::start(
