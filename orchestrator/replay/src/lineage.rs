@@ -17,7 +17,7 @@ use scenario::{Loader, Program, ResolvedScenario};
 use serde::{Deserialize, Serialize};
 
 use crate::ReplayError;
-use crate::origin::{changes_nothing, of_robots};
+use crate::origin::{changes_nothing, for_log};
 
 /// Name that stands for all processes.
 pub const ALL: &str = "all";
@@ -26,7 +26,8 @@ pub const ALL: &str = "all";
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Change {
-    /// Overrides of the scenario in the log, in the form of `--set`; `teams.TEAM.limits.…` stands for all its robots.
+    /// Overrides of the scenario in the log, in the form of `--set`; `teams.TEAM.limits.…` stands for all its robots, `processes.KIND.…`
+    /// for all its processes.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub set: Vec<String>,
     /// Values of the scenario that are drawn: `KEY=LOW..HIGH`, uniformly, by the number of the random streams. Whole numbers if
@@ -238,7 +239,7 @@ fn changed(
         };
         process.program = Program::Kind(kind);
     }
-    let set = of_robots(&given, &now);
+    let set = for_log(&given, &now);
     let loader = Loader::new(kinds);
     let (text, option) = (
         draft.to_toml(),
@@ -334,6 +335,25 @@ mod tests {
         assert!(whole.into_iter().eq(expected));
         for text in ["a", "a=1", "a=2..1", "a=1..1", "a=0.5..nan", "a=0..inf"] {
             assert_eq!(draw(text, 1), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn keys_of_teams_and_kinds_are_those_of_robots_and_processes() {
+        let now = kinds::load("chase", &[], Some(1)).unwrap();
+        for (key, own) in [
+            ("teams.evader.limits.v_max", "robots.evader_N.limits.v_max"),
+            (
+                "processes.evader_potential.on_failure",
+                "processes.evader_potential_evader_N.on_failure",
+            ),
+        ] {
+            let own = ["1", "2"].map(|n| own.replace('N', n) + "=1");
+            assert_eq!(for_log(&[format!("{key}=1")], &now), own);
+        }
+        // A name of a process, a key without one, and an unknown kind.
+        for text in ["processes.perception.a=1", "rules.a=1", "processes.b.c=1"] {
+            assert_eq!(for_log(&[text.to_owned()], &now), [text]);
         }
     }
 }

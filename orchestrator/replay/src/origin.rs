@@ -60,7 +60,7 @@ pub fn scenario_of(
     if changes.is_empty() {
         return Ok(scenario);
     }
-    let next = load(&of_robots(changes, &scenario))
+    let next = load(&for_log(changes, &scenario))
         .map_err(|problems| LogReadError::Argument(format!("--set:\n{problems}")))?;
     // The same seed repeats the run.
     if next == scenario && !changes.iter().all(|text| text.starts_with("run.seed=")) {
@@ -69,17 +69,29 @@ pub fn scenario_of(
     Ok(next)
 }
 
-/// Returns overrides with limits of teams as those of their robots: a scenario in a log has no teams.
-pub(crate) fn of_robots(changes: &[String], now: &ResolvedScenario) -> Vec<String> {
+/// Returns overrides with limits of teams as those of their robots, and with keys of kinds as those of their processes: a scenario
+/// in a log has neither teams nor processes for several robots.
+pub(crate) fn for_log(changes: &[String], now: &ResolvedScenario) -> Vec<String> {
     let of_team = |text: &str| {
         let (team, rest) = text.strip_prefix("teams.")?.split_once(".limits.")?;
         let robots = now.world.robots.iter().filter(|robot| robot.team == team);
         let keys = robots.map(|robot| format!("robots.{}.limits.{rest}", robot.name));
         Some(keys.collect())
     };
+    let of_kind = |text: &str| {
+        let (kind, rest) = text.strip_prefix("processes.")?.split_once('.')?;
+        let all = || now.processes.iter();
+        let processes = all().filter(|process| process.program.kind_name() == Some(kind));
+        let keys = processes.map(|process| format!("processes.{}.{rest}", process.name));
+        let keys: Vec<String> = keys.collect();
+        (!keys.is_empty() && all().all(|process| process.name != kind)).then_some(keys)
+    };
     let all = changes.iter();
-    all.flat_map(|text| of_team(text).unwrap_or_else(|| vec![text.clone()]))
-        .collect()
+    all.flat_map(|text| {
+        let known = of_team(text).or_else(|| of_kind(text));
+        known.unwrap_or_else(|| vec![text.clone()])
+    })
+    .collect()
 }
 
 /// The error of overrides without an effect on the scenario of a log.
