@@ -44,7 +44,7 @@ def file(name, text):
 room = pr.Map.from_grid(posts(100, 8), 0.1)
 """
 
-#: Carries out calls, each in a process of its own, and interrupts them.
+#: Repeats calls, each in a process of its own, and interrupts them.
 RUNNER = """
 for name, setup, call in json.load(sys.stdin):
     ours, theirs = os.pipe()
@@ -58,8 +58,8 @@ for name, setup, call in json.load(sys.stdin):
         code = compile(call, name, "exec")
         os.write(theirs, b"begins")
         try:
-            exec(code, scope)
-            os.write(theirs, b"returned")
+            while True:
+                exec(code, scope)
         except KeyboardInterrupt:
             os.write(theirs, b"interrupted")
         sys.exit(0)
@@ -125,14 +125,14 @@ limit = [0.1, 0.2]
 #: Files with a map of as many cells as a scenario may have.
 FILES = f"file('map.toml', {MAP!r}); name = file('big.toml', {SCENARIO!r})"
 
-#: Function that leaves the interpreter, by file and name: what calls of it need, and calls that would take long.
+#: Function that leaves the interpreter, by file and name: what calls of it need, and calls that take long or are repeated.
 CALLS: dict[str, list[tuple[str, str]]] = {
-    "coverage.rs:new": [(SMALL, "while True: pr.coverage.Plan(map, (0.85, 0.85), 0.05, margin=0.0)")],
+    "coverage.rs:new": [(SMALL, "pr.coverage.Plan(map, (0.85, 0.85), 0.05, margin=0.0)")],
     "fields.rs:at_points": [
         ("goals = np.random.default_rng(1).uniform(0, 9, (1024, 2))", "pr.steering.attraction(many(4.0, 4.0), goals)"),
     ],
     "navigation.rs:arrival_times": [
-        (ROOM, "while True: pr.navigation.arrival_times(map, many(0.1, 0.1, count=1024), 1.0, 0.1, pitch=0.05)"),
+        (ROOM, "pr.navigation.arrival_times(map, many(0.1, 0.1, count=1024), 1.0, 0.1, pitch=0.05)"),
     ],
     "navigation.rs:dominance": [
         (
@@ -150,23 +150,23 @@ CALLS: dict[str, list[tuple[str, str]]] = {
     "patrol.rs:detection": [
         (
             "from protean_robotics._core import patrol",
-            "while True: patrol.detection(np.arange(5000.0), many(1.0, 1.0), many(9.0, 9.0), 0.1, 9.0)",
+            "patrol.detection(np.arange(5000.0), many(1.0, 1.0), many(9.0, 9.0), 0.1, 9.0)",
         ),
     ],
-    "patrol.rs:lap": [(ZIG_ZAG, "while True: patrol.lap(100_000)")],
+    "patrol.rs:lap": [(ZIG_ZAG, "patrol.lap(100_000)")],
     "patrol.rs:predict": [(ZIG_ZAG, "patrol.predict(np.arange(1_000_000.0, 2_000_000.0))")],
     "rrt_star.rs:plan": [(ROOM, f"pr.rrt_star.plan(map, {ENDS}, 0.2, iterations=1_000_000)")],
     "tracking.rs:new": [
-        (ROOM, f"while True: pr.tracking.ParticleFilter(map, {LIMITS}, params={{'particles': 1_000_000}})"),
+        (ROOM, f"pr.tracking.ParticleFilter(map, {LIMITS}, params={{'particles': 1_000_000}})"),
     ],
     "tracking.rs:update": [
         (
             f"{ROOM}; belief = pr.tracking.ParticleFilter(map, {LIMITS}, params={{'particles': 1_000_000}})",
-            "while True: belief.update(1.0, observers=many(0.1, 0.1, 0.0, count=64))",
+            "belief.update(1.0, observers=many(0.1, 0.1, 0.0, count=64))",
         ),
     ],
     "tracking.rs:visibility": [
-        (ROOM, "while True: pr.tracking.visibility(map, many(0.1, 0.1, 0.0, count=64), many(9.1, 9.1))"),
+        (ROOM, "pr.tracking.visibility(map, many(0.1, 0.1, 0.0, count=64), many(9.1, 9.1))"),
     ],
     "trajectory.rs:plan": [
         (
@@ -183,7 +183,7 @@ CALLS: dict[str, list[tuple[str, str]]] = {
         ),
     ],
     "environments.rs:new": [
-        (FILES, "while True: pr.Env(name, agents=['robot'], observation='path')"),
+        (FILES, "pr.Env(name, agents=['robot'], observation='path')"),
     ],
     "environments.rs:replay": [
         (
@@ -193,7 +193,7 @@ CALLS: dict[str, list[tuple[str, str]]] = {
         ),
     ],
     "environments.rs:render": [
-        ("env = pr.Env('chase', agents=['evader_1'], render_mode='rgb_array'); env.reset(seed=1)", "while True: env.render()"),
+        ("env = pr.Env('chase', agents=['evader_1'], render_mode='rgb_array'); env.reset(seed=1)", "env.render()"),
     ],
     "environments.rs:variant": [
         (
@@ -210,30 +210,30 @@ CALLS: dict[str, list[tuple[str, str]]] = {
     "log/mod.rs:read": [
         (
             "pr.run('chase', in_process=True, out='log.mcap', set={'rules.time_limit': 60}); log = pr.Log('log.mcap')",
-            "while True: log.report(force=True)",
+            "log.report(force=True)",
         ),
     ],
     "lab.rs:single_plans": [
-        ("from protean_robotics._core import lab", "while True: lab.single_plans(1, 100_000)"),
+        ("from protean_robotics._core import lab", "lab.single_plans(1, 100_000)"),
     ],
-    "map/mod.rs:new": [(FILES, "while True: pr.Map('map.toml')")],
+    "map/mod.rs:new": [(FILES, "pr.Map('map.toml')")],
     "map/mod.rs:path": [(SMALL, f"for i in range(9999): map.path({NEAR}, 0.2 + 1e-5 * i)")],
     "map/mod.rs:path_length": [(SMALL, "map.path_length(many(23.25, 23.25), (0.85, 0.85), 0.2)")],
-    "map/mod.rs:clearance": [(ROOM, "while True: map.clearance(many(0.1, 0.1))")],
-    "map/mod.rs:line_is_clear": [(ROOM, "while True: map.line_is_clear((0.1, 0.1), many(0.1, 79.9), 0.1)")],
-    "map/mod.rs:free_run": [(ROOM, "while True: map.free_run((0.1, 0.1), many(0.1, 79.9), 0.1)")],
-    "map/mod.rs:cast_rays": [(ROOM, "while True: map.cast_rays((0.1, 0.1), many(1.5)[:, 0], 100.0)")],
-    "map/mod.rs:away_from_obstacles": [(ROOM, "while True: map.away_from_obstacles(many(0.1, 0.1))")],
-    "map/queries.rs:from_grid": [("grid = posts(600, 8)", "while True: pr.Map.from_grid(grid, 0.1)")],
-    "map/queries.rs:visible": [(ROOM, "while True: map.visible((0.1, 0.1))")],
+    "map/mod.rs:clearance": [(ROOM, "map.clearance(many(0.1, 0.1))")],
+    "map/mod.rs:line_is_clear": [(ROOM, "map.line_is_clear((0.1, 0.1), many(0.1, 79.9), 0.1)")],
+    "map/mod.rs:free_run": [(ROOM, "map.free_run((0.1, 0.1), many(0.1, 79.9), 0.1)")],
+    "map/mod.rs:cast_rays": [(ROOM, "map.cast_rays((0.1, 0.1), many(1.5)[:, 0], 100.0)")],
+    "map/mod.rs:away_from_obstacles": [(ROOM, "map.away_from_obstacles(many(0.1, 0.1))")],
+    "map/queries.rs:from_grid": [("grid = posts(600, 8)", "pr.Map.from_grid(grid, 0.1)")],
+    "map/queries.rs:visible": [(ROOM, "map.visible((0.1, 0.1))")],
     "run.rs:run_in_process": [
         ("", "pr.run('hello', in_process=True, planners={'robot': ahead}, set=ENDLESS)"),
-        (FILES, "while True: pr.run(name, in_process=True)"),
+        (FILES, "pr.run(name, in_process=True)"),
     ],
     "sweep.rs:missions_to_run": [
         (
             f"{FILES}; name = file('sweep.toml', {EXPERIMENT!r})",
-            "while True: pr.sweep(name, in_process=True, quiet=True)",
+            "pr.sweep(name, in_process=True, quiet=True)",
         ),
     ],
     "sweep.rs:sweep_in_process": [
@@ -285,7 +285,7 @@ def test_no_function_leaves_the_interpreter_unseen() -> None:
 
 
 def interrupted(cases: list[tuple[str, str, str]], longest: float = LONGEST, pause: float = 0.2) -> None:
-    """Carries out calls, each in a process of its own, and interrupts them."""
+    """Repeats calls, each in a process of its own, and interrupts them."""
     script = [sys.executable, "-c", PRELUDE + RUNNER]
     done = subprocess.run(
         script, input=json.dumps(cases), capture_output=True, text=True, check=False, env=os.environ | {"PAUSE": str(pause)}
