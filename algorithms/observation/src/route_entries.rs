@@ -214,11 +214,10 @@ impl RouteEntries {
         };
         let (sin, cos) = geometry::math::sincosf(own.pose.theta as f32);
         let (sin, cos) = (f64::from(sin), f64::from(cos));
-        let places = AROUND.map(|[x, y]| {
-            let step = Vector2::new(cos * x - sin * y, sin * x + cos * y);
-            let free = map.free_run(here, here + REACH * step, own.radius);
-            (free, lengths.end(here + free * step))
-        });
+        let steps = AROUND.map(|[x, y]| Vector2::new(cos * x - sin * y, sin * x + cos * y));
+        let free = map.free_runs(steps.map(|step| (here, here + REACH * step)), own.radius);
+        let places: [_; DIRECTIONS] =
+            core::array::from_fn(|i| (free[i], lengths.end(here + free[i] * steps[i])));
         let here = lengths.end(here);
         let mut to_exit = [f64::INFINITY; DIRECTIONS];
         let mut own_to_exit = f64::INFINITY;
