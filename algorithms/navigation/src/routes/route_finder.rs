@@ -271,30 +271,41 @@ fn descend(
     exits: impl IntoIterator<Item = Point2<f64>>,
 ) -> Option<ExitRoute> {
     let length = tree.length(node)?;
-    let mut waypoint = grid.point(node)?;
-    let (mut root, mut in_sight) = (node, true);
-    while let Some(next) = tree.parent(root) {
-        root = next;
-        if !in_sight {
-            continue;
+    let mut way = core::iter::successors(tree.parent(node), |&next| tree.parent(next));
+    let (mut root, mut waypoint, mut in_sight) = (node, None, true);
+    while in_sight {
+        // Four lines of sight side by side take less time than two one after the other.
+        let (mut nodes, mut points) = ([node; 4], [from; 4]);
+        let mut count = 0;
+        for ((slot, point), next) in nodes.iter_mut().zip(&mut points).zip(&mut way) {
+            (*slot, *point) = (next, grid.point(next)?);
+            root = next;
+            count += 1;
         }
-        let point = grid.point(root)?;
-        let travelled = length - tree.length(root)?;
-        // The first step is not tested: a robot in contact with a wall sees nothing at full width.
-        in_sight = travelled < SIGHT && map.line_is_clear(from, point, grid.inflation());
-        if in_sight || waypoint == grid.point(node)? {
-            waypoint = point;
+        if count == 0 {
+            break;
+        }
+        let runs = map.free_runs(points.map(|point| (from, point)), grid.inflation());
+        for ((&next, point), run) in nodes.iter().zip(points).zip(runs).take(count) {
+            let travelled = length - tree.length(next)?;
+            in_sight = travelled < SIGHT && run >= (point - from).norm();
+            // The first step is not tested: a robot in contact with a wall sees nothing at full width.
+            if in_sight || waypoint.is_none() {
+                waypoint = Some(point);
+            }
+            if !in_sight {
+                break;
+            }
         }
     }
+    root = way.last().unwrap_or(root);
     let exit = exits
         .into_iter()
         .find(|&exit| grid.node_at(exit) == Some(root))?;
-    if in_sight {
-        waypoint = exit;
-    }
+    let waypoint = waypoint.filter(|_| !in_sight);
     Some(ExitRoute {
         exit,
-        waypoint,
+        waypoint: waypoint.unwrap_or(exit),
         length: length + (exit - grid.point(root)?).norm(),
     })
 }
