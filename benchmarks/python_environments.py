@@ -56,9 +56,9 @@ def ours(instances: int, seconds: float, scenario: str, agents: list[str], copy:
     return rate(lambda k: envs.step(actions[k % len(actions)]), instances, seconds)
 
 
-def rust(instances: int, seconds: float, scenario: str, agents: list[str]) -> float:
+def rust(instances: int, seconds: float, scenario: str, agents: list[str], observation: str = "state") -> float:
     """The same instances in a loop in Rust."""
-    envs = pr.VectorEnv(scenario, instances, agents=agents, seed=1)
+    envs = pr.VectorEnv(scenario, instances, agents=agents, seed=1, observation=observation)
     envs.reset()
     actions = draw(envs)
     return rate(lambda _: envs._instances.core.steps(actions), instances * len(actions), seconds)
@@ -166,6 +166,7 @@ def main() -> None:
         ("six robots by the learner: pr.VectorEnv, copy=False", "", lambda n: ours(n, seconds, *everything, False)),
         ("six robots by the learner: pr.VectorEnv", "", lambda n: ours(n, seconds, *everything, True)),
         ("four built-in Police: loop in Rust", "", lambda n: rust(n, seconds, *evaders)),
+        ("the same with state+path", "", lambda n: rust(n, seconds, *evaders, "state+path")),
         ("four built-in Police: pr.VectorEnv, copy=False", "", lambda n: ours(n, seconds, *evaders, False)),
         ("chase: Police and beliefs: pr.VectorEnv, copy=False", "", lambda n: ours(n, seconds, "chase", ["evader"], False)),
         ("pufferlib ocean target, 6 robots", game + ", 24 numbers each", lambda n: ocean(n, seconds)),
