@@ -1,8 +1,8 @@
 //! Directories of the runs of this user: created for a run, and removed at its end or, after the end of its
 //! orchestrator, by a later run.
 //!
-//! Every run has a directory below `$XDG_RUNTIME_DIR/protean` (or `/dev/shm/protean-<uid>`) with mode 0700 and a name that is
-//! never used again. Its orchestrator keeps a lock file in it locked; the lock ends with the orchestrator in every case. The
+//! Every run has a directory below `$XDG_RUNTIME_DIR/protean` (or `/dev/shm/protean-<uid>`) with mode 0700 and a name of
+//! its own ([`own_name`]). Its orchestrator keeps a lock file in it locked; the lock ends with the orchestrator in every case. The
 //! directory is created under another name and renamed once it is locked, so that a run without a lock is always an
 //! abandoned one. The name is also the run's prefix in shared memory, which has a lock of its own ([`MemoryUse`]): it
 //! tells the use of the memory by processes of other PID namespaces, and by runs whose directory is elsewhere.
@@ -15,6 +15,7 @@ use std::os::unix::fs::{DirBuilderExt, MetadataExt, OpenOptionsExt, PermissionsE
 use std::path::{Path, PathBuf};
 
 use ipc_types::bus::{BusError, MemoryUse, RunSpace};
+use platform::own_name::own_name;
 
 use super::orphans;
 
@@ -178,10 +179,8 @@ impl RunDirectory {
     }
 
     fn try_create(base: &Path) -> Result<Self, RunDirectoryError> {
-        // Copies of a process draw the same random names, and its id is that of another process in another PID namespace.
-        let prefix = format!("{NEW}{}_", std::process::id());
         let new = tempfile::Builder::new()
-            .prefix(&prefix)
+            .prefix(&own_name(NEW))
             .rand_bytes(8)
             // By default, `tempfile` gives the permissions of the umask.
             .permissions(Permissions::from_mode(0o700))

@@ -16,6 +16,7 @@ use tempfile::TempPath;
 
 use crate::file_lock::{LockOutcome, try_lock};
 use crate::own_file;
+use crate::own_name::own_name;
 
 /// Beginning and end of temporary names.
 const TEMPORARY: (&str, &str) = (".protean-", ".partial");
@@ -109,7 +110,9 @@ impl AtomicFile {
                     // Before the file has a name. Without locks no file is taken for abandoned.
                     let _ = try_lock(&self.file);
                     let link = |name: &Path| link(&self.file, name);
-                    builder().make_in(folder, link)?.into_temp_path()
+                    let beginning = own_name(TEMPORARY.0);
+                    let named = builder(&beginning).make_in(folder, link)?;
+                    named.into_temp_path()
                 }
                 (linked, _) => return linked,
             },
@@ -161,17 +164,19 @@ fn descriptor(file: &File) -> String {
     format!("/proc/self/fd/{}", file.as_raw_fd())
 }
 
-fn builder() -> tempfile::Builder<'static, 'static> {
+/// Returns the builder of temporary names that begin with an [`own_name`].
+fn builder(beginning: &str) -> tempfile::Builder<'_, 'static> {
     let mut builder = tempfile::Builder::new();
-    builder.prefix(TEMPORARY.0).suffix(TEMPORARY.1);
+    builder.prefix(beginning).suffix(TEMPORARY.1);
     builder
 }
 
 /// Creates a file with a temporary name in a directory, and locks it where the file system can.
 fn named(folder: &Path, mode: u32) -> io::Result<(File, TempPath)> {
     remove_abandoned(folder);
+    let beginning = own_name(TEMPORARY.0);
     loop {
-        let (file, name) = builder()
+        let (file, name) = builder(&beginning)
             .permissions(Permissions::from_mode(mode))
             .tempfile_in(folder)?
             .into_parts();

@@ -11,6 +11,7 @@ pub mod machine;
 pub mod output_format;
 pub mod output_lines;
 pub mod own_file;
+pub mod own_name;
 pub mod presence;
 pub mod proc;
 pub mod program;

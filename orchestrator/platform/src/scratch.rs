@@ -12,6 +12,7 @@ use rustix::process::geteuid;
 use tempfile::TempDir;
 
 use crate::file_lock::{LockOutcome, try_lock};
+use crate::own_name::own_name;
 
 /// First characters of their names.
 const NAMES: &str = "protean-scratch-";
@@ -29,9 +30,10 @@ impl Scratch {
     /// # Errors
     /// The error of the operating system.
     pub fn create() -> io::Result<Self> {
+        let prefix = own_name(NAMES);
         loop {
             let folder = tempfile::Builder::new()
-                .prefix(NAMES)
+                .prefix(&prefix)
                 .permissions(Permissions::from_mode(0o700))
                 .tempdir()?;
             // Until it is locked, a `clean` may remove it.
