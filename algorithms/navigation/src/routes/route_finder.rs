@@ -270,44 +270,53 @@ fn descend(
     node: usize,
     exits: impl IntoIterator<Item = Point2<f64>>,
 ) -> Option<ExitRoute> {
+    let (tested, hidden) = last_in_sight(map, grid, tree, from, node)?;
+    let root = core::iter::successors(Some(tested), |&next| tree.parent(next)).last()?;
+    let exit = exits
+        .into_iter()
+        .find(|&exit| grid.node_at(exit) == Some(root))?;
+    Some(ExitRoute {
+        exit,
+        waypoint: hidden.unwrap_or(exit),
+        length: tree.length(node)? + (exit - grid.point(root)?).norm(),
+    })
+}
+
+/// Tests the lines of sight from a point to the nodes on the path from its node to the root, up to the first that is hidden or
+/// too far. Returns a node at or behind the last that was tested, and the last point in sight (m), or the first one, since a
+/// robot in contact with a wall sees nothing at full width; no point if the whole path is in sight.
+fn last_in_sight(
+    map: &PlannerMap,
+    grid: &NavGrid,
+    tree: &RouteTree,
+    from: Point2<f64>,
+    node: usize,
+) -> Option<(usize, Option<Point2<f64>>)> {
     let length = tree.length(node)?;
     let mut way = core::iter::successors(tree.parent(node), |&next| tree.parent(next));
-    let (mut root, mut waypoint, mut in_sight) = (node, None, true);
-    while in_sight {
+    let (mut tested, mut last) = (node, None);
+    loop {
         // Four lines of sight side by side take less time than two one after the other.
         let (mut nodes, mut points) = ([node; 4], [from; 4]);
         let mut count = 0;
         for ((slot, point), next) in nodes.iter_mut().zip(&mut points).zip(&mut way) {
             (*slot, *point) = (next, grid.point(next)?);
-            root = next;
+            tested = next;
             count += 1;
         }
         if count == 0 {
-            break;
+            return Some((tested, None));
         }
         let runs = map.free_runs(points.map(|point| (from, point)), grid.inflation());
         for ((&next, point), run) in nodes.iter().zip(points).zip(runs).take(count) {
             let travelled = length - tree.length(next)?;
-            in_sight = travelled < SIGHT && run >= (point - from).norm();
-            // The first step is not tested: a robot in contact with a wall sees nothing at full width.
-            if in_sight || waypoint.is_none() {
-                waypoint = Some(point);
-            }
+            let in_sight = travelled < SIGHT && run >= (point - from).norm();
             if !in_sight {
-                break;
+                return Some((tested, last.or(Some(point))));
             }
+            last = Some(point);
         }
     }
-    root = way.last().unwrap_or(root);
-    let exit = exits
-        .into_iter()
-        .find(|&exit| grid.node_at(exit) == Some(root))?;
-    let waypoint = waypoint.filter(|_| !in_sight);
-    Some(ExitRoute {
-        exit,
-        waypoint: waypoint.unwrap_or(exit),
-        length: length + (exit - grid.point(root)?).norm(),
-    })
 }
 
 fn slot_of(slots: &mut Vec<Slot>, slot: usize) -> Option<&mut Slot> {
