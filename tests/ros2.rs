@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
+use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
 use rustix::process::{Pid, PidfdFlags, Signal};
@@ -66,11 +67,33 @@ impl Drop for RosNode {
     }
 }
 
+/// Files in shared memory of LTTng, to which the packages are linked: it creates and leaves them.
+fn lttng_files() -> Vec<PathBuf> {
+    let entries = std::fs::read_dir("/dev/shm").unwrap().flatten();
+    let of_lttng = |path: &PathBuf| path.to_string_lossy().contains("/lttng-ust-wait-");
+    entries.map(|entry| entry.path()).filter(of_lttng).collect()
+}
+
+/// Those of other programs.
+static LTTNG_FILES_BEFORE: OnceLock<Vec<PathBuf>> = OnceLock::new();
+
 /// A domain for one test, with the interpreter for its nodes.
 struct Domain {
     sandbox: Sandbox,
     python: PathBuf,
     id: String,
+}
+
+impl Drop for Domain {
+    fn drop(&mut self) {
+        let before = LTTNG_FILES_BEFORE.get_or_init(Vec::new);
+        for file in lttng_files() {
+            if !before.contains(&file) {
+                // Another test may have removed it.
+                let _ = std::fs::remove_file(file);
+            }
+        }
+    }
 }
 
 impl Domain {
@@ -83,6 +106,7 @@ impl Domain {
                 return None;
             }
         };
+        LTTNG_FILES_BEFORE.get_or_init(lttng_files);
         let sandbox = Sandbox::new();
         sandbox.file("robots.toml", SCENARIO);
         Some(Self {

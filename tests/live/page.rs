@@ -310,8 +310,6 @@ fn a_page_whose_connection_breaks_goes_on() {
     let page = run.page().replace(run.address(), &own);
     let state = "document.getElementById('live-state').textContent";
     let steps = json!([
-        { "until": format!("{state} === 'no connection; trying again' && protean.isRunning") },
-        { "until": format!("{state} === 'live'") },
         { "until": format!("{state} === 'ended'") },
         { "eval": "protean.digest" },
     ]);
@@ -320,6 +318,10 @@ fn a_page_whose_connection_breaks_goes_on() {
     };
     assert_eq!(run.finish().0, Some(0));
     let info = sandbox.protean(["info", "run.mcap"]).json();
-    assert_eq!(found["answers"][3], info["digest"]);
+    assert_eq!(found["answers"][1], info["digest"]);
+    // Not by what the page says meanwhile: that lasts for a second, which a busy browser may miss.
+    let requests = found["requests"].as_array().unwrap().iter();
+    let of_data = requests.filter(|url| url.as_str().unwrap().ends_with(&path));
+    assert!(of_data.count() >= 2, "{found}");
     sandbox.assert_nothing_left();
 }
