@@ -40,6 +40,10 @@ def past_4(descriptor):
     return moved
 
 
+class Ended(SystemExit):
+    """The browser has ended by itself."""
+
+
 class Browser:
     """Chromium, spoken to over a pair of pipes (its descriptors 3 and 4)."""
 
@@ -85,7 +89,7 @@ class Browser:
                 raise SystemExit("the browser does not answer")
             part = os.read(self.fro, 1 << 16)
             if not part:
-                raise SystemExit(f"the browser ended: {self.process.stderr.read().decode(errors='replace')}")
+                raise Ended(f"the browser ended: {self.process.stderr.read().decode(errors='replace')}")
             self.rest += part
         message, self.rest = self.rest.split(b"\0", 1)
         return json.loads(message)
@@ -130,14 +134,27 @@ class Browser:
         self.call("Input.dispatchKeyEvent", type="keyUp", **common)
 
 
-def look(program, address, steps, graphics=("--disable-gpu",)):
-    """Opens a page, waits until it says that it is ready, and takes the steps."""
-    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile:
+def start(program, profile, graphics):
+    """Starts the browser with a page; a second time if it crashes before it has one, which is not the fault of any page."""
+    for is_last in (False, True):
         browser = Browser(program, profile, graphics)
         try:
             target = browser.call("Target.createTarget", url="about:blank")["targetId"]
             session = browser.call("Target.attachToTarget", targetId=target, flatten=True)
+        except (Ended, BrokenPipeError):
+            browser.end()
+            if is_last:
+                raise
+        else:
             browser.session = session["sessionId"]
+            return browser
+
+
+def look(program, address, steps, graphics=("--disable-gpu",)):
+    """Opens a page, waits until it says that it is ready, and takes the steps."""
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile:
+        browser = start(program, profile, graphics)
+        try:
             for domain in ("Runtime", "Log", "Network", "Page"):
                 browser.call(f"{domain}.enable")
             browser.call("Emulation.setDeviceMetricsOverride", width=1500, height=1000, deviceScaleFactor=1, mobile=False)
