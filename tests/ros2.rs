@@ -67,7 +67,7 @@ impl Drop for RosNode {
     }
 }
 
-/// Files in shared memory of LTTng, to which the packages are linked: it creates and leaves them.
+/// Files in shared memory of `LTTng`, to which the packages are linked: it creates and leaves them.
 fn lttng_files() -> Vec<PathBuf> {
     let entries = std::fs::read_dir("/dev/shm").unwrap().flatten();
     let of_lttng = |path: &PathBuf| path.to_string_lossy().contains("/lttng-ust-wait-");
